@@ -11,6 +11,7 @@ from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.quantisation import resolution, step_of_counts
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
@@ -30,6 +31,7 @@ _REPETITIONS, _MARGIN = 12, 2  # with a convergence of some hundredth each
 _BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has turned around
 _PARTS_OF_THE_WAY = 50
 _MOST_PLACES, _FEWEST_PLACES, _FEWEST_REPEATED = 64, 8, 8  # places in a period, and periods
+_BY_CHANCE, _OF_QUADRATIC = 1e-6, 3
 _REFITS = 2  # the first leaves a share of one over the periods
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
@@ -158,7 +160,8 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
 
 def repeated_in_periods(theta_e: NDArray[np.float64], phase: Polynomial) -> NDArray[np.float64]:
     """Return what an electrical angle, rad, shape (n,), departs from a smooth phase in every period alike,
-    shape (n,): means over the periods at up to 64 places in them; zero where the periods are few.
+    shape (n,): means over the periods at up to 64 places in them; zero where the periods are few, or where
+    the means differ by no more than noise does (analysis of variance).
     """
     smooth = np.asarray(phase(np.arange(len(theta_e), dtype=np.float64)))
     periods = float(smooth[-1] - smooth[0]) / (2 * np.pi)
@@ -167,8 +170,13 @@ def repeated_in_periods(theta_e: NDArray[np.float64], phase: Polynomial) -> NDAr
         return np.zeros(len(theta_e))
     place = np.floor(smooth * (places / (2 * np.pi))).astype(np.int64) % places
     count = np.maximum(1, np.bincount(place, minlength=places))
-    means = np.bincount(place, weights=theta_e - smooth, minlength=places) / count
-    return np.asarray((means - np.mean(means))[place])
+    departure = theta_e - smooth
+    means = np.bincount(place, weights=departure, minlength=places) / count
+    repeated = np.asarray((means - np.mean(means))[place])
+    free = len(departure) - places - _OF_QUADRATIC
+    among, left = float(repeated @ repeated), float(np.sum((departure - repeated) ** 2))
+    ratio = among / (places - 1) / (left / free) if left > 0.0 else math.inf
+    return repeated if fisher_above(places - 1, free, ratio) < _BY_CHANCE else np.zeros(len(theta_e))
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:

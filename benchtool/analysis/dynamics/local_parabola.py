@@ -22,13 +22,15 @@ class LocalParabola:
     """Weighted least-squares parabola about 0: coefficients, their covariance, and the mean square of what it
     leaves relative to the errors, 1 at least, and whether it describes its points.
 
-    `cubic` and `quartic` are the coefficients of such polynomials through the same points, all within
-    `reach`, or of lower order where there are too few.
+    `scatter` is the mean square that a cubic leaves, 1 at least. `cubic` and `quartic` are the coefficients
+    of such polynomials through the same points, all within `reach`, or of lower order where there are too
+    few.
     """
 
     coefficients: Floats
     covariance: Floats
     left: float
+    scatter: float
     describes: bool
     cubic: Floats
     quartic: Floats
@@ -53,11 +55,16 @@ class LocalParabola:
         coefficients[:terms] = solution
         inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
         covariance[:terms, :terms] = inverse * max(1.0, mean_square)
-        cubic = fitted(_CUBIC) if len(places) > _CUBIC else coefficients
+        cubic, beyond = coefficients, mean_square
+        if len(places) > _CUBIC:
+            cubic = fitted(_CUBIC)
+            rest = (values - np.polynomial.polynomial.polyval(places, cubic)) * root
+            beyond = float(rest @ rest) / (len(places) - _CUBIC)
         return cls(
             coefficients,
             covariance,
             max(1.0, mean_square),
+            max(1.0, min(beyond, mean_square)),
             mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom),
             cubic,
             fitted(_QUARTIC) if len(places) >= _QUARTIC else cubic,
@@ -91,8 +98,9 @@ class LocalParabola:
         return math.sqrt(float(powers @ self.covariance @ powers))
 
     def noise_at(self, place: float) -> float:
-        """Standard uncertainty of the value there by the errors, and a little of what it leaves."""
-        return self.error_at(place) * math.hypot(1.0 / math.sqrt(self.left), _OF_LEFT)
+        """Standard uncertainty of the value there by the errors, as large as a cubic's points scatter, and a
+        little of what the parabola leaves."""
+        return self.error_at(place) * math.hypot(math.sqrt(self.scatter / self.left), _OF_LEFT)
 
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""

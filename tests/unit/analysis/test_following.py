@@ -256,7 +256,7 @@ def test_a_trend_is_no_noise() -> None:
 
 @pytest.mark.parametrize("more", [1.0, 4.0])
 def test_a_value_of_a_response_is_as_uncertain_as_its_points_scatter(more: float) -> None:
-    """Also where they scatter by more than was stated of them."""
+    """Also where they scatter by more than was stated of them, which few points hardly tell from a bend."""
     random, frequency_Hz = np.random.default_rng(4), np.geomspace(10.0, 100.0, 60)
     misses, stated = [], []
     for _ in range(100):
@@ -264,7 +264,7 @@ def test_a_value_of_a_response_is_as_uncertain_as_its_points_scatter(more: float
         value, uncertain = ResponseCurve(frequency_Hz, values, np.full(60, 0.01), 0.1).at(30.0)
         misses.append((value - 1.0) / uncertain)
         stated.append(uncertain)
-    assert 0.6 < float(np.sqrt(np.mean(np.square(misses)))) < 1.6
+    assert 0.6 < float(np.sqrt(np.mean(np.square(misses)))) < (1.1 if more == 1.0 else 1.8)
     # a level that many points share is told better than each of them
     assert more > 1.0 or float(np.median(stated)) < 0.005
 
@@ -297,7 +297,8 @@ def test_the_peak_of_a_resonance_is_read_off_all_frequencies_around_it() -> None
     true_dB = -10.0 * math.log10(4.0 * 0.3**2 * (1.0 - 0.3**2))
     error_dB = np.full(len(gain_dB), 0.02)
     exact = ResponseCurve(frequency_Hz, gain_dB, error_dB, 3.0)
-    assert exact.resonance()[0] == pytest.approx(true_dB, abs=1e-6)
+    # less what the stated errors add to a peak that they place
+    assert exact.resonance()[0] == pytest.approx(true_dB, abs=1e-4)
     noise_dB = np.random.default_rng(1).normal(0.0, 0.02, (20, len(gain_dB)))
     noisy = [ResponseCurve(frequency_Hz, gain_dB + each, error_dB, 3.0) for each in noise_dB]
     found = np.array([each.resonance() for each in noisy])

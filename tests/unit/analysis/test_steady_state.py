@@ -94,8 +94,9 @@ def test_the_torque_error_has_the_degrees_of_freedom_of_both_means() -> None:
     u2 = sum(each.standard**2 for each in means)
     assert error.standard == pytest.approx(u2**0.5)
     assert error.experimental == pytest.approx(sum(each.experimental**2 for each in means) ** 0.5)
-    assert error.expanded == pytest.approx(sum(each.expanded**2 for each in means) ** 0.5, rel=0.05)
-    assert np.isfinite(error.dof)
+    fourth = sum(each.experimental**4 / each.dof for each in means)
+    assert error.dof == pytest.approx(error.experimental**4 / fourth, rel=1e-6)
+    assert error.expanded <= sum(each.expanded**2 for each in means) ** 0.5
     assert [each.name for each in error.lines] == ["mean of the estimate", "mean of the transducer"]
 
 

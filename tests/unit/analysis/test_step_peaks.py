@@ -42,7 +42,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.9
 
 
-def test_an_overshoot_that_is_none_has_the_uncertainty_of_what_cannot_be_negative() -> None:
+def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
     random = np.random.default_rng(12)
     y = 1.0 - np.exp(-np.maximum(np.arange(1400.0) - BEFORE, 0.0) / 20.0)
     found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
