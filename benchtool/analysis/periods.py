@@ -32,6 +32,7 @@ _BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has tur
 _PARTS_OF_THE_WAY = 50
 _MOST_PLACES, _FEWEST_PLACES, _FEWEST_REPEATED = 64, 8, 8  # places in a period, and periods
 _BY_CHANCE, _OF_QUADRATIC = 1e-6, 3
+_OF_STEPS = 1.0  # rms of what repeats, over the steps of an encoder: they repeat with 0.29 of one
 _REFITS = 2  # the first leaves a share of one over the periods
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
@@ -140,9 +141,10 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
     _require_direction(theta_e)
+    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m))
     phase, residual_rad = _fit_quadratic(theta_e)
     for _ in range(_REFITS):
-        repeated_rad = repeated_in_periods(theta_e, phase)
+        repeated_rad = repeated_in_periods(theta_e, phase, step_rad)
         phase, left_rad = _fit_quadratic(theta_e - repeated_rad)
         residual_rad = math.hypot(left_rad, float(np.std(repeated_rad)))
     speed = phase.deriv()
@@ -154,14 +156,15 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
     source = f"quadratic fit to {pole_pairs} x theta_m"
-    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m))
     return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad)
 
 
-def repeated_in_periods(theta_e: NDArray[np.float64], phase: Polynomial) -> NDArray[np.float64]:
+def repeated_in_periods(
+    theta_e: NDArray[np.float64], phase: Polynomial, resolution_rad: float
+) -> NDArray[np.float64]:
     """Return what an electrical angle, rad, shape (n,), departs from a smooth phase in every period alike,
     shape (n,): means over the periods at up to 64 places in them; zero where the periods are few, or where
-    the means differ by no more than noise does (analysis of variance).
+    the means differ by no more than noise does (analysis of variance) or than the steps in which it counts.
     """
     smooth = np.asarray(phase(np.arange(len(theta_e), dtype=np.float64)))
     periods = float(smooth[-1] - smooth[0]) / (2 * np.pi)
@@ -176,7 +179,10 @@ def repeated_in_periods(theta_e: NDArray[np.float64], phase: Polynomial) -> NDAr
     free = len(departure) - places - _OF_QUADRATIC
     among, left = float(repeated @ repeated), float(np.sum((departure - repeated) ** 2))
     ratio = among / (places - 1) / (left / free) if left > 0.0 else math.inf
-    return repeated if fisher_above(places - 1, free, ratio) < _BY_CHANCE else np.zeros(len(theta_e))
+    by_steps = among < (_OF_STEPS * resolution_rad) ** 2 * len(departure)
+    if by_steps or not fisher_above(places - 1, free, ratio) < _BY_CHANCE:
+        return np.zeros(len(theta_e))
+    return repeated
 
 
 def track_tone(samples: NDArray[np.float64], name: str = "signal") -> PhaseTrack:

@@ -206,7 +206,8 @@ def _of_angle(track: PhaseTrack) -> MeanError:
     parts = min(_BLOCKS, max(_FEWEST_BLOCKS, int(track.periods)))
     edges = np.linspace(0, count, parts + 1).astype(np.int64)
     moments = []
-    measured_rad = track.measured_rad - repeated_in_periods(track.measured_rad, track.phase)
+    repeated_rad = repeated_in_periods(track.measured_rad, track.phase, track.resolution_rad)
+    measured_rad = track.measured_rad - repeated_rad
     for begin, end in itertools.pairwise(edges):
         number = np.arange(begin, end, dtype=np.float64)
         left = measured_rad[begin:end] - track.at(number)
