@@ -218,7 +218,8 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
     incomplete, not_repeated = _of_incomplete(left, rows)
-    mean, rest = float(np.mean(left)) - incomplete, left[: rows[-1]]
+    of_cycles = 0.0 if lines is None else lines.mean_at(place)
+    mean, rest = float(np.mean(series)) - of_cycles - incomplete, left[: rows[-1]]
     means = np.add.reduceat(rest, begin) / counts
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
     trend = amplitude_trend(1.0 + (means - middle) / size, 0) if size > 0.0 else None
@@ -256,9 +257,18 @@ def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, floa
         differs = max(float(np.std(apart, ddof=1)), abs(float(apart[-1] - apart[0])))
     within = sums[1 : rows[-1] + 1] - np.repeat(sums[begin], counts)
     integral = float(np.mean(np.add.reduceat(within, begin) / counts**2))
-    of_speed = -integral * float(counts[-1] - counts[0])
+    of_speed = -integral * _growth(counts)
     moved = (float(np.mean(apart)) * over + of_speed) / len(series)
     return moved, differs * over / len(series)
+
+
+def _growth(counts: NDArray[np.int64]) -> float:
+    """Return by how many rows periods grow over the record, by a straight line; 0 where whole rows alone may
+    make it, each count being off by the difference of two roundings."""
+    slope = float(Polynomial.fit(np.arange(len(counts)), counts, 1).convert().coef[-1])
+    growth = slope * (len(counts) - 1)
+    of_rows = math.sqrt(2.0 / len(counts))  # sqrt(1/6 x 12 / n)
+    return growth if abs(growth) > 2.0 * of_rows else 0.0
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:

@@ -51,6 +51,12 @@ class SlowLines:
         """Whether each is more than a cycle away from the next, and from the mean."""
         return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
 
+    def mean_at(self, place: Floats) -> float:
+        """Return the mean of their sum at places, shape (n,), and no more than incomplete cycles make it: the
+        rounding of few rows in a period to whole ones may beat with a line."""
+        most = np.minimum(1.0, 1.0 / (np.pi * self.cycles)) @ np.hypot(self.cosine, self.sine)
+        return float(np.clip(np.mean(self.at(place)), -most, most))
+
     def at(self, place: Floats) -> Floats:
         """Return their sum without the constant, at places from 0 to 1 in the record, shape (n,)."""
         found = np.empty(len(place))
