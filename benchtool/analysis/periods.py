@@ -145,6 +145,8 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     phase, residual_rad = _fit_quadratic(theta_e)
     for _ in range(_REFITS):
         repeated_rad = repeated_in_periods(theta_e, phase, step_rad)
+        if not np.any(repeated_rad):
+            break
         phase, left_rad = _fit_quadratic(theta_e - repeated_rad)
         residual_rad = math.hypot(left_rad, float(np.std(repeated_rad)))
     speed = phase.deriv()

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.periods import PhaseTrack
 
-_OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
+OFF_RAD = 2e-3
+"""How far, rms, a phase may be off a track that is kept: at which harmonic 50 reads 0.5 % low."""
+
 _FEWEST_KNOTS = 5  # of a spline
 _PER_PERIOD = 16  # places at which an angle is followed, in each electrical period
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
@@ -48,7 +50,7 @@ def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
     What is left within a period may be the steps in which the angle counts, which beat with the samples near
     harmonics: where it is no more than these, the angle is only averaged over whole periods.
     """
-    if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_RAD:
+    if track.measured_rad is None or not (track.residual_rad or 0.0) > OFF_RAD:
         return AngleTracks()
     number, departure = _means(track, track.measured_rad, max(1, round(samples_per_period / _PER_PERIOD)))
     whole_number, whole = _means(track, track.measured_rad, max(1, round(samples_per_period)))
@@ -96,7 +98,7 @@ def _departing(
 ) -> PhaseTrack | None:
     """Return the track and a spline through its departures at sample numbers, both of shape (parts,); None
     where these are few or small."""
-    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > _OFF_RAD:
+    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > OFF_RAD:
         return None
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 

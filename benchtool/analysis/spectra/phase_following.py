@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.spectra.angle_following import along_angle, within_periods
+from benchtool.analysis.spectra.angle_following import OFF_RAD, along_angle, within_periods
 from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
@@ -27,7 +27,6 @@ from benchtool.analysis.spectra.spectrum import (
     transformable_periods,
 )
 
-_OFF_RAD = 2e-3  # rms: at which harmonic 50 reads 0.5 % low
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
@@ -136,7 +135,7 @@ def follow(
         found, doubt = by_angle if within.are_of_rotor else found, within.standard
     jump_rad = found.seen.jump_rad
     by_tone = _followed(samples, sample_rate_Hz, found, name)
-    if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > _OFF_RAD:
+    if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
         other_way = _followed(samples, sample_rate_Hz, smooth, name)
         if other_way.off_line < by_tone.off_line and other_way.is_clearly(other_than=by_tone):
@@ -215,7 +214,7 @@ class _Followed:
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
     """Return signal along the phase of its own fundamental, as long as that brings it closer."""
     found = begin
-    for least_rad in (_OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
+    for least_rad in (OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
         by_tone = _by_tone(found.coherent, found.track, found.seen, name, least_rad)
         if by_tone is None:
             break
