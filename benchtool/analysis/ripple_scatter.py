@@ -265,7 +265,7 @@ def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, floa
 def _growth(counts: NDArray[np.int64]) -> float:
     """Return by how many rows periods grow over the record, by a straight line; 0 where whole rows alone may
     make it, each count being off by the difference of two roundings."""
-    slope = float(Polynomial.fit(np.arange(len(counts)), counts, 1).convert().coef[-1])
+    slope = float(np.polyfit(np.arange(len(counts)), counts, 1)[0])
     growth = slope * (len(counts) - 1)
     of_rows = math.sqrt(2.0 / len(counts))  # sqrt(1/6 x 12 / n)
     return growth if abs(growth) > 2.0 * of_rows else 0.0

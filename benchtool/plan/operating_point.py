@@ -251,8 +251,7 @@ class _Signals:
             omega_m, period_s = np.array(self.seen.readings.get("omega_m", ())), READING_EVERY_S
         if len(omega_m) < 2:
             return None
-        slope = np.polynomial.Polynomial.fit(np.arange(len(omega_m)), omega_m, 1).convert().coef
-        return float(slope[1] / period_s) if len(slope) > 1 else 0.0
+        return float(np.polyfit(np.arange(len(omega_m)), omega_m, 1)[0]) / period_s
 
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:

@@ -91,7 +91,7 @@ def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
     and its bend."""
     for degree in (1, 2):
         line = np.polynomial.Polynomial.fit(place, relative, degree)
-        bend = float(line.convert().coef[2]) if degree == 2 else 0.0
+        bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
         yield line, None, abs(bend)
     yield _step(relative), None, 0.0
     yield _settling(relative, place)

@@ -19,6 +19,7 @@ from benchtool.analysis import (
     track_angle,
 )
 from benchtool.analysis.measurement import measurements_from_json, measurements_to_json
+from benchtool.analysis.ripple_scatter import Periods, scatter_of_periods
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -135,6 +136,19 @@ def test_the_incomplete_period_at_the_end_moves_neither_mean_nor_rms() -> None:
     assert np.mean(samples) > 1.0007
     assert found["torque_mean"].value == pytest.approx(1.0, abs=1e-9)
     assert found["torque_ripple_rms"].value == pytest.approx(math.hypot(0.1, 0.03) / math.sqrt(2.0), rel=1e-5)
+
+
+@pytest.mark.parametrize("periods", [5, 49, 50])
+def test_a_period_behind_the_last_whole_one_moves_neither_mean_nor_rms(periods: int) -> None:
+    # equal periods, whose growth is zero to the last digit
+    rows = np.arange(0, (periods + 1) * 500, 500)
+    samples = 2.0 + 0.1 * np.cos(2.0 * np.pi / 500.0 * np.arange((periods + 1) * 500) + 0.7)
+
+    found = scatter_of_periods(samples, Periods(rows[:-1]))
+
+    assert found is not None
+    assert found.whole_mean == pytest.approx(2.0, abs=1e-6)
+    assert found.whole_rms == pytest.approx(0.1 / math.sqrt(2.0), abs=1e-6)
 
 
 def test_incomplete_periods_of_a_drift_are_no_ripple() -> None:
