@@ -122,7 +122,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
         RecordingError: the file cannot be read as a table.
         AnalysisError: a column is missing or asked for twice, or no rows are left.
     """
-    table = TextTable.open(question.file, question.decimal)
+    table = TextTable.open(question.file, question.decimal, timed=question.rate_Hz is None)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
     data = rows.data

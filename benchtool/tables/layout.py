@@ -76,8 +76,10 @@ class _Fit:
     share: float
 
 
-def find_layout(text: bytes, source: str, decimal: str = "") -> Layout:
+def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = True) -> Layout:
     """Return the layout of a table in UTF-8, lines ended by newlines; `source` stands in the messages.
+
+    A table has two columns of numbers at least; one is enough where its rows are not `timed` by a column.
 
     The delimiter and the decimal sign, if that is not stated, are those by which most cells of most lines,
     sampled from the beginning, the middle and the end, are numbers. What comes before the first such line is
@@ -88,19 +90,20 @@ def find_layout(text: bytes, source: str, decimal: str = "") -> Layout:
     that begin with # or % are comments, which may name the columns too.
 
     Raises:
-        RecordingError: no two columns of numbers are there, or the delimiter separates decimals as well.
+        RecordingError: no such columns of numbers are there, or the delimiter separates decimals as well.
     """
     head = text[:_HEAD_BYTES]
     lines = head.split(b"\n")
     if len(text) > len(head):
         del lines[-1]  # cut short
     sample = [line for line in _sampled(text, lines) if line.strip() and not is_comment(line)]
-    found = _best(sample, decimal)
+    found = _best(sample, decimal, timed=timed)
     if found is None:
         seen = _almost_a_number(sample)
+        fewest = "at least two numbers" if timed else "numbers"
         raise RecordingError(
-            f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of at least two "
-            f"numbers are expected, separated by comma, semicolon, tab or blanks, times in seconds or as "
+            f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of {fewest} "
+            f"are expected, separated by comma, semicolon, tab or blanks, times in seconds or as "
             f"2026-01-31 23:59:59.5: export it as such"
         )
     delimiter, decimal, width, numeric = found.delimiter, found.decimal, found.width, found.numeric
@@ -179,14 +182,23 @@ def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
             yield from text[begin : begin + _SAMPLE_BYTES].split(b"\n")[1:-1]
 
 
-def _best(sample: Sequence[bytes], stated: str) -> _Fit | None:
-    """Return what fits best; None where no two columns are of numbers.
+def _best(sample: Sequence[bytes], stated: str, *, timed: bool) -> _Fit | None:
+    """Return what fits best; None where no two columns are of numbers, nor one where that is enough.
 
     Numbers in groups of digits count where not all cells are plain numbers. Blanks that separate groups
     between tabs separate no columns.
     """
     texts = [line.decode(errors="replace") for line in sample]
     layouts = [each for each in _LAYOUTS if stated in ("", each[1])]
+    if timed:
+        return _best_fit(texts, layouts)
+    # a stated decimal comma separates no columns
+    quoted = [each for each in layouts if each[0] != stated or any('"' in text for text in texts)]
+    return _best_fit(texts, quoted) or _best_of(texts, quoted, groups=False, fewest=1)
+
+
+def _best_fit(texts: Sequence[str], layouts: Sequence[tuple[str, str]]) -> _Fit | None:
+    """Return what fits best with two columns of numbers or more."""
     found = _best_of(texts, layouts, groups=False)
     tabbed = [each for each in layouts if each[0] == "\t"] if found and found.delimiter == BLANKS else []
     if tabbed and 2 * sum("\t" in text for text in texts) > len(texts):
@@ -199,13 +211,15 @@ def _best(sample: Sequence[bytes], stated: str) -> _Fit | None:
     return grouped if found is None or (grouped and grouped.score > found.score) else found
 
 
-def _best_of(texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool) -> _Fit | None:
+def _best_of(
+    texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool, fewest: int = 2
+) -> _Fit | None:
     best: _Fit | None = None
     for delimiter, decimal in layouts:
         by_width: dict[int, list[list[str]]] = defaultdict(list)
         for text in texts:
             cells = split(text, delimiter)
-            if 2 <= len(cells) <= _MOST_COLUMNS:
+            if fewest <= len(cells) <= _MOST_COLUMNS:
                 by_width[len(cells)].append(cells)
         between = delimiter if groups else ""
         for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
@@ -223,7 +237,7 @@ def _best_of(texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups
             numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
             share = numbers / max(1, sum(filled))
             # many numbers, and few cells that are not
-            if sum(numeric) >= 2 and numbers * share**2 > (best.score if best else 0.0):
+            if sum(numeric) >= fewest and numbers * share**2 > (best.score if best else 0.0):
                 best = _Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
     return best
 

@@ -76,8 +76,9 @@ class TextTable:
     text: bytes
 
     @classmethod
-    def open(cls, path: Path, decimal: str = "") -> TextTable:
-        """Read a file and determine its layout: see `find_layout`; a decimal sign may be stated.
+    def open(cls, path: Path, decimal: str = "", *, timed: bool = True) -> TextTable:
+        """Read a file and determine its layout: see `find_layout`; a decimal sign may be stated, and that
+        rows are not timed by a column.
 
         UTF-8 and UTF-16, each with a byte order mark or without, else Windows-1252 (Latin-1); lines end by
         newline, carriage return or both.
@@ -104,7 +105,7 @@ class TextTable:
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         text = ascii_numbers(text)
-        table = cls(path, encoding, find_layout(text, str(path), decimal), text)
+        table = cls(path, encoding, find_layout(text, str(path), decimal, timed=timed), text)
         return table._settled() if table.layout.is_open and not decimal else table
 
     def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:

@@ -1,0 +1,53 @@
+"""Tables of one column, whose rows a stated rate times."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchtool.errors import RecordingError
+from benchtool.tables.text import TextTable
+
+CURRENT = np.round(np.sin(np.arange(60) * 0.7), 4)
+
+
+def write(folder: Path, content: str) -> Path:
+    path = folder / "current.txt"
+    path.write_bytes(content.encode())
+    return path
+
+
+@pytest.mark.parametrize(
+    ("form", "head", "decimal"),
+    [
+        ("{:.4f}\n", "", ""),
+        ("  {:.4e} \r\n", "", ""),
+        ("{:.4f}\n", "Scope, model 5\nCH1 [A]\n", ""),
+        ("{:.4f};\n", "i_a;\n", ""),
+        ("{:.4f}\n", "Strom (A)\n", ","),
+    ],
+)
+def test_one_column_is_enough_where_none_is_the_time(
+    tmp_path: Path, form: str, head: str, decimal: str
+) -> None:
+    body = "".join(form.format(each) for each in CURRENT)
+    path = write(tmp_path, head + (body.replace(".", ",") if decimal else body))
+
+    table = TextTable.open(path, decimal, timed=False)
+
+    np.testing.assert_allclose(table.rows([table.select("1", "A")]).data[:, 0], CURRENT, atol=1e-4)
+
+
+def test_decimal_commas_that_are_not_stated_are_refused(tmp_path: Path) -> None:
+    body = "".join(f"{each:.4f}\n" for each in CURRENT).replace(".", ",")
+
+    with pytest.raises(RecordingError, match="decimal commas"):
+        TextTable.open(write(tmp_path, f"Strom (A)\n{body}"), timed=False)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_words_are_no_table(tmp_path: Path, *, timed: bool) -> None:
+    with pytest.raises(RecordingError, match="no table of numbers"):
+        TextTable.open(write(tmp_path, "hello\nworld\n"), timed=timed)
