@@ -288,8 +288,9 @@ def _groups_of_two(what: Disturbance, made: Record) -> float:
     for order, amplitude in what.harmonics.items():
         wave += amplitude * np.cos(order * theta + made.phases_rad[order])
     wave *= np.where(np.arange(points) < points // 2, 1.0 + what.alternates, 1.0 - what.alternates)
-    square = np.abs(np.fft.rfft(wave)[:104]) ** 2
-    groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2])
+    square = 2.0 * np.abs(np.fft.rfft(wave)[:104] / points) ** 2
+    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / RATE_HZ  # of the ten bins of a group
+    groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2]) + noise2
     return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
 
 
