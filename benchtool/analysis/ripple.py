@@ -21,14 +21,13 @@ from benchtool.analysis.ripple_scatter import (
     percentile_range,
     scatter_of_periods,
 )
-from benchtool.analysis.scatter import FEWEST_EXTREMES, MeanError
+from benchtool.analysis.scatter import FEWEST_EXTREMES, TOO_SLOW, MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
 
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
-_TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
@@ -227,7 +226,7 @@ def _numbers(
         source = f"{budget[0].name}, resolution"
         lines = tuple(each for each in budget if each.standard != 0.0)
         uncertain = combined(lines, source)
-        why = "" if uncertain is not None else _TOO_SLOW
+        why = "" if uncertain is not None else TOO_SLOW
         uncertain = _of_two_readings(uncertain, bound)
         return Measurement(full, value, unit, text, basis, uncertain, uncertainty_reason=why)
 

@@ -22,6 +22,9 @@ _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
 FEWEST_EXTREMES = 4
 """Fewest values whose largest tell how it scatters."""
 
+TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
+"""Why a mean has no uncertainty."""
+
 BLOCKS = 4096
 """Parts of a record that its slow course is looked at in, usually."""
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.scatter import error_of_record
+from benchtool.analysis.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
@@ -73,13 +73,15 @@ def switching_frequency(block: Block) -> Measurement:
     count, rate_Hz = block.column("switching_count"), block.sample_rate_Hz
     value_Hz = mean_switching_frequency_Hz(count, 1.0 / rate_Hz)
     duration_s = (len(count) - 1) / rate_Hz
+    uncertain = _of_frequency(np.mod(np.diff(count), TICKS), rate_Hz)
     return Measurement(
         "switching_frequency_mean",
         value_Hz,
         "Hz",
         "turn-ons of the three upper switches / (3 x duration)",
         Basis(len(count), rate_Hz, duration_s, gaps=0),
-        _of_frequency(np.mod(np.diff(count), TICKS), rate_Hz),
+        uncertain,
+        uncertainty_reason=TOO_SLOW if uncertain is None else "",
     )
 
 
@@ -170,7 +172,9 @@ def _mean(
 ) -> Measurement:
     budget = [error_of_record(samples).line(_SCATTER), *further]
     uncertain = combined(budget, "; ".join(each.name for each in budget))
-    return Measurement(name, float(np.mean(samples)), unit, definition, basis, uncertain)
+    why = TOO_SLOW if uncertain is None else ""
+    value = float(np.mean(samples))
+    return Measurement(name, value, unit, definition, basis, uncertain, uncertainty_reason=why)
 
 
 def _table(shares: NDArray[np.float64], basis: Basis) -> Table:

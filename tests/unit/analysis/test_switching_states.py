@@ -94,3 +94,13 @@ def test_a_number_of_vectors_that_was_always_the_same_is_not_certain() -> None:
     active = found["active_vectors_mean"]
     assert active is not None
     assert active.standard == pytest.approx(1.0 / (3000 * math.sqrt(3.0)))
+
+
+def test_turn_ons_that_wander_over_the_whole_record_have_no_uncertainty_but_a_reason() -> None:
+    random = np.random.default_rng(3)
+    rate = 2.0 + np.cumsum(random.normal(0.0, 0.01, 4000))  # a random walk
+    count = np.floor(np.cumsum(rate))
+    found = switching_frequency(Block((Channel("switching_count", ""),), 0, 1, 1e-4, count[:, np.newaxis]))
+    assert math.isfinite(found.value)
+    assert found.uncertainty is None
+    assert "wanders" in found.uncertainty_reason
