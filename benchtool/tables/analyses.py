@@ -103,15 +103,18 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
 
 def _incomplete(number: Measurement, rows: int) -> Measurement:
     """Return the number without an uncertainty: what the rows that are left out held is not known."""
-    without = f"without {rows} rows in between that have no number, so its uncertainty is not known"
-    return replace(number, definition=f"{number.definition}, {without}", uncertainty=None)
+    without = f"without {rows} rows in between that have no number"
+    why = f"the values of {rows} rows in between are not known"
+    return replace(
+        number, definition=f"{number.definition}, {without}", uncertainty=None, uncertainty_reason=why
+    )
 
 
-def _limited(record: Record, number: Measurement, held: int) -> Measurement:
+def _limited(record: Record, number: Measurement, held: float) -> Measurement:
     """Return the number with a basis limited to the rows."""
-    if held == 1 or number.basis.bandwidth_Hz is None:
+    if held == 1.0 or number.basis.bandwidth_Hz is None:
         return number
-    definition = f"{number.definition}, each value held for {held} rows"
+    definition = f"{number.definition}, each value held for {held:.3g} rows"
     basis = replace(number.basis, bandwidth_Hz=0.5 * record.base.rate_Hz / held)
     return replace(number, definition=definition, basis=basis)
 
@@ -171,11 +174,11 @@ def _unbalance(record: Record, track: PhaseTrack | None, refusal: str) -> Iterat
 
 def _held(record: Record, what: str) -> str:
     """Return that a current was sampled less often than it is listed; empty if it was not."""
-    if (held := held_rows(record.column(what))) < 2:
+    if (held := held_rows(record.column(what))) == 1.0:
         return ""
     rate_Hz = record.base.rate_Hz
     return (
-        f"each value is held for {held} rows, the current was sampled at about {rate_Hz / held:.4g} Hz and "
+        f"each value is held for {held:.3g} rows, the current was sampled at about {rate_Hz / held:.4g} Hz and "
         f"not at {rate_Hz:.4g} Hz: export each once"
     )
 

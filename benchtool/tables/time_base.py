@@ -316,16 +316,16 @@ def repeated_rows(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> N
     return np.empty(0, dtype=np.int64)
 
 
-def held_rows(values: NDArray[np.float64]) -> int:
-    """Return for how many rows each of the values, shape (n,), is held, by a slower converter for example; 1
-    if not."""
+def held_rows(values: NDArray[np.float64]) -> float:
+    """Return for how many rows on average each of the values, shape (n,), is held, by a slower converter for
+    example; 1 if not."""
     changes = np.flatnonzero(np.diff(values))
     runs = np.diff(changes)
     if len(runs) < _FEWEST_RUNS:
-        return 1
+        return 1.0
     usual = int(np.median(runs))
     is_regular = np.mean(np.abs(runs - usual) <= 1) > _REGULAR_RUNS and np.mean(runs == usual) > 0.5
-    return usual if usual > 1 and is_regular else 1
+    return float(np.mean(runs)) if usual > 1 and is_regular else 1.0
 
 
 def _refused(time_s: NDArray[np.float64], refusal: str, resolution_s: float = math.nan) -> TimeBase:

@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.block import Gap
-from benchtool.tables.time_base import time_base
+from benchtool.tables.time_base import held_rows, time_base
 
 Array = NDArray[np.float64]
 ROWS = np.arange(5_000, dtype=np.float64)
@@ -202,3 +202,10 @@ def test_no_row_is_invented_or_lost(rate_Hz: float, begin_s: float, lost: set[in
 def test_any_finite_stamps_give_an_answer(stamps: list[float]) -> None:
     base = time_base(np.array(stamps, dtype=np.float64))
     assert base.refusal or base.step_s > 0.0
+
+
+@pytest.mark.parametrize(("rate_Hz", "held"), [(10_000.0, 1.0), (2_500.0, 4.0), (3_137.0, 10.0 / 3.137)])
+def test_rows_of_a_slower_converter_are_held_as_long_as_its_period(rate_Hz: float, held: float) -> None:
+    sample = np.floor(np.arange(5_000) / 10_000.0 * rate_Hz + 0.01)
+
+    assert held_rows(np.sin(0.37 * sample)) == pytest.approx(held, rel=2e-3)
