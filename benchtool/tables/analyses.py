@@ -178,8 +178,8 @@ def _held(record: Record, what: str) -> str:
         return ""
     rate_Hz = record.base.rate_Hz
     return (
-        f"each value is held for {held:.3g} rows, the current was sampled at about {rate_Hz / held:.4g} Hz and "
-        f"not at {rate_Hz:.4g} Hz: export each once"
+        f"each value is held for {held:.3g} rows, the current was sampled at about {rate_Hz / held:.4g} Hz "
+        f"and not at {rate_Hz:.4g} Hz: export each once"
     )
 
 
