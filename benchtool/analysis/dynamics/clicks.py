@@ -55,6 +55,18 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     return mended, int(np.count_nonzero(hits))
 
 
+def without_outliers(samples: Floats, least: Floats) -> Floats:
+    """Return samples, shape (n,), with those replaced by the line between their neighbours that are, alone or
+    two of them, beyond all around by more than `least`, shape (n,), and by more than that differs."""
+    if len(samples) <= 2 * _REACH + _LONGEST:
+        return samples
+    far = _beyond_around(samples) > least
+    if not np.any(far) or np.all(far):
+        return samples
+    rows = np.arange(len(samples))
+    return np.asarray(np.where(far, np.interp(rows, rows[~far], samples[~far]), samples))
+
+
 def too_many(clicks: int, count: int) -> bool:
     """Return whether so many of `count` samples are clicks that these are no interference."""
     return clicks > max(_LONGEST, math.floor(RARE * count))
@@ -62,9 +74,7 @@ def too_many(clicks: int, count: int) -> bool:
 
 def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
     """Return which of the samples, shape (n,), are far from their neighbours, and those near are not."""
-    beyond = np.zeros(len(samples))
-    for length in range(1, _LONGEST + 1):
-        beyond = np.maximum(beyond, _beyond(samples, length))
+    beyond = _beyond_around(samples)
     hit = beyond > least
     for row in np.flatnonzero(hit):
         near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
@@ -75,6 +85,12 @@ def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
 def converter_step(samples: Floats) -> float:
     """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured."""
     return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
+
+
+def _beyond_around(samples: Floats) -> Floats:
+    """Return how far each sample, shape (n,), is beyond what is around, alone or as one of two."""
+    beyond = (_beyond(samples, length) for length in range(1, _LONGEST + 1))
+    return np.asarray(np.maximum.reduce(list(beyond)))
 
 
 def _beyond(samples: Floats, length: int) -> Floats:

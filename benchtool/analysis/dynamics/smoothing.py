@@ -23,6 +23,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.clicks import without_outliers
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
 
@@ -31,7 +32,7 @@ Floats = NDArray[np.float64]
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
 _CONTRADICTS = 6.0  # standard deviations between the values of two windows that noise does not exceed
-_OF_FEW = 2  # half window: a parabola through so few samples goes with any of them
+_OUTLIER = 4.0  # standard deviations of a sample beyond all around it: rare in noise, and no edge
 _CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
 _SHORTER = 1.5  # how much shorter the window is than the one of least risk
 _SLIGHTLY = 1e-9  # of a step: smaller differences are rounding
@@ -167,19 +168,22 @@ class _Smoothed:
         return total
 
     def longest(self) -> Floats:
-        """Return the longest half window at every sample, shape (n,), that contradicts no shorter one."""
+        """Return the longest half window at every sample, shape (n,), that contradicts no shorter one.
+
+        Windows that differ by an outlier do not: it is noise, and the shorter follows it the more.
+        """
+        least = _OUTLIER * math.sqrt(float(self._noise.autocovariance[0])) * self._levels
+        even = _Smoothed(without_outliers(self._samples, least), self._noise, self._levels)
         count = len(self._samples)
         most = _in_steps(np.minimum(_GROWTH[-1] * np.arange(count), count / _PART))
         ladder = np.unique(most)[:: -(_STEPS // 2)][::-1]
         most = np.minimum(most, ladder[-1])
         spectra, power = self._spectra(ladder)
         for at, longer in enumerate(ladder.tolist()):
-            curve, _ = self._under(longer)
+            curve, _ = even._under(longer)
             for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
                 between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
-                apart = np.abs(curve - self._under(shorter)[0]) > _CONTRADICTS * between * self._levels
-                if shorter <= _OF_FEW:
-                    apart = _in_rows(apart)
+                apart = np.abs(curve - even._under(shorter)[0]) > _CONTRADICTS * between * self._levels
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
         # where part of a window reaches over an edge, too little to show, its end has still no place
         away = _CLEARANCE * np.arange(count)
@@ -210,15 +214,6 @@ class _Smoothed:
             products = weights[half : half + lags] * self._noise.autocovariance[:lags]
             self._curves[half] = curve, float(2.0 * np.sum(products) - products[0])
         return self._curves[half]
-
-
-def _in_rows(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return where three samples in a row are found: an outlier is one or two, and no edge."""
-    three = found[:-2] & found[1:-1] & found[2:]
-    kept = np.zeros(len(found), dtype=np.bool_)
-    for offset in range(3):
-        kept[offset : len(found) - 2 + offset] |= three
-    return kept
 
 
 def _convolved(samples: Floats, weights: Floats) -> Floats:
