@@ -27,9 +27,9 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     """Return samples, shape (n,), with clicks replaced by the line between their neighbours, and how many
     samples that are.
 
-    A click is one sample, or two, beyond both neighbours and beyond the medians of three samples to either
-    side, by more than 4.5 standard deviations of the noise and by more than these four levels differ from
-    each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
+    A click is one sample, or each of two, beyond both neighbours and beyond the medians of three samples to
+    either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
+    from each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
     where that is more, are from the mean of their neighbours: what oscillates is none either. Samples without
     noise are returned as they are, and so are those of which more than a fiftieth would be clicks, with their
     number.
@@ -104,7 +104,9 @@ def _beyond(samples: Floats, length: int) -> Floats:
     )
     highest, lowest = np.max(around, axis=0), np.min(around, axis=0)
     within = samples[first[:, np.newaxis] + np.arange(length)]
-    beyond = np.maximum(np.min(within, axis=1) - highest, lowest - np.max(within, axis=1))
+    # of two, the one may be above and the other below
+    each = np.maximum(within - highest[:, np.newaxis], lowest[:, np.newaxis] - within)
+    beyond = np.min(each, axis=1)
     beyond[beyond <= highest - lowest] = 0.0
     found = np.zeros(count)
     for offset in range(length):
