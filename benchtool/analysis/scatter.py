@@ -43,6 +43,7 @@ _NEIGHBOURS = 2  # values that count as one by chance alone
 _GUMBEL = math.pi / math.sqrt(6.0)
 _EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
 _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
+_FEWEST_OVER_TAIL = 4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
 
 
 @dataclass(frozen=True)
@@ -353,18 +354,37 @@ def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> floa
     Ann. Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
     deviation, with that added: a tail that is found too light gives an extreme that is far too certain.
     """
-    size = np.abs(deviations)
-    top = min(len(size) // of_tail, _MOST_OF_TAIL)
+    top = min(len(deviations) // of_tail, _MOST_OF_TAIL)
     if top < _FEWEST_OF_TAIL:
         return 0.0
+    index, standard = _moment_estimate(np.abs(deviations), top)
+    return index + standard if index > standard else 0.0
+
+
+def tail_index_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> float:
+    """Return the index of the tails of deviations about zero, shape (n,), that are known to be heavier than
+    normal ones, by their kurtosis say.
+
+    That of exponential tails is then as little known as that of a power law: what the moment estimator gives,
+    at least 0, and half its standard deviation, over the largest twenty at least.
+    """
+    top = min(max(len(deviations) // of_tail, _FEWEST_OF_TAIL), _MOST_OF_TAIL)
+    if len(deviations) <= _FEWEST_OVER_TAIL * top:
+        return 0.0
+    index, standard = _moment_estimate(np.abs(deviations), top)
+    return max(0.0, index) + 0.5 * standard
+
+
+def _moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:
+    """Return the index of the tail of magnitudes, shape (n,), over so many of the largest, and its standard
+    deviation; 0 and 0 where these show none."""
     largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
     least = float(np.min(largest))
     if not least > 0.0:
-        return 0.0
+        return 0.0, 0.0
     logs = np.log(largest / least)
     first, second = float(np.sum(logs)) / top, float(np.sum(logs**2)) / top
     if not second > 0.0 or first**2 >= second:
-        return 0.0
+        return 0.0, 0.0
     index = first + 1.0 - 0.5 / (1.0 - first**2 / second)
-    standard = math.sqrt((1.0 + index**2) / top)
-    return index + standard if index > standard else 0.0
+    return index, math.sqrt((1.0 + index**2) / top)

@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, left_of_steps
 from benchtool.analysis.dynamics.smoothing import Noise
-from benchtool.analysis.scatter import error_of_record, error_of_series, scatter_of_largest, tail_index
+from benchtool.analysis.scatter import (
+    error_of_record,
+    error_of_series,
+    scatter_of_largest,
+    tail_index,
+    tail_index_of_heavy,
+)
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 Floats = NDArray[np.float64]
@@ -98,15 +104,8 @@ class ArrivedSamples:
 
     def of_greatest(self, sign: float = 1.0) -> Uncertainty | None:
         """Return the scatter of the greatest of the values times `sign` over records like this one."""
-        course, deviations = sign * self.course, sign * (self.values - self.course)
-        # where the largest deviation would make it the greatest
-        open_to = course + np.max(deviations) >= np.max(course + deviations)
-        scatter = self.noise.rms
-        if np.count_nonzero(open_to) >= _FEWEST_SAMPLES:
-            scatter = _scatter_of_largest(deviations[open_to], tail_index(deviations, _OF_TAIL))
-            scatter = max(scatter, _drawn_again(course[open_to], deviations[open_to]))
         noise = [
-            Contribution("distribution of the extremes of such samples", "A", scatter),
+            Contribution("distribution of the extremes of such samples", "A", self._scatter_of_greatest(sign)),
             self._of_mean(),
             Contribution(_TIMES, "A", self._of_greatest_in_time(sign)),
         ]
@@ -118,10 +117,8 @@ class ArrivedSamples:
 
     def of_magnitude(self) -> Uncertainty | None:
         """Return the scatter of the greatest magnitude over records like this one."""
-        if np.any(self.of_times):  # with other times that of the other sign may be
-            others = tuple(np.abs(each) for each in self.others)
-            values, course = np.abs(self.values), np.abs(self.course)
-            return replace(self, values=values, course=course, others=others).of_greatest()
+        if np.any(self.of_times) or self._is_heavy:  # at other times that of the other sign may be
+            return self._magnitudes.of_greatest()
         return self.of_greatest(1.0 if np.max(self.values) >= -np.min(self.values) else -1.0)
 
     def of_rms(self) -> Uncertainty | None:
@@ -135,6 +132,8 @@ class ArrivedSamples:
             Contribution("noise of the samples on their way", "A", self.noise.of_sum(on_the_way)),
             Contribution(_TIMES, "A", self._of_times(rms)),
         ]
+        if self._is_heavy:
+            noise.append(Contribution("one sample far from the others, or none", "A", self._of_one_far(rms)))
         # the steps add their own power, and move all samples on one level together
         power = _OF_SQUARE * self.step**2 / (2.0 * rms)
         steps = math.hypot(power, float(np.mean(self.values)) / rms * self.left)
@@ -158,6 +157,32 @@ class ArrivedSamples:
         error = error_of_record(squares)
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
+
+    def _scatter_of_greatest(self, sign: float = 1.0) -> float:
+        course, deviations = sign * self.course, sign * (self.values - self.course)
+        # where the largest deviation would make it the greatest
+        open_to = course + np.max(deviations) >= np.max(course + deviations)
+        if np.count_nonzero(open_to) < _FEWEST_SAMPLES:
+            return self.noise.rms
+        tail = (tail_index_of_heavy if self._is_heavy else tail_index)(deviations, _OF_TAIL)
+        scatter = _scatter_of_largest(deviations[open_to], tail)
+        return max(scatter, _drawn_again(course[open_to], deviations[open_to]))
+
+    def _of_one_far(self, rms: float) -> float:
+        """Return by how much the root mean square is more with the greatest magnitude as much greater as that
+        scatters: of heavy tails one sample makes much of it, and most records lack that."""
+        greatest, scatter = float(np.max(np.abs(self.values))), self._magnitudes._scatter_of_greatest()
+        return (greatest + 0.5 * scatter) * scatter / (len(self.values) * rms)
+
+    @property
+    def _magnitudes(self) -> ArrivedSamples:
+        others = tuple(np.abs(each) for each in self.others)
+        return replace(self, values=np.abs(self.values), course=np.abs(self.course), others=others)
+
+    @property
+    def _is_heavy(self) -> bool:
+        """Whether the tails of the noise are heavier than normal ones."""
+        return self.noise.innovations is not None
 
     def _of_greatest_in_time(self, sign: float) -> float:
         """Return the rms change of the greatest of the values times `sign` with other times of the rows."""
