@@ -34,7 +34,7 @@ _FAR = 3.0  # standard deviations by which a value may be greater
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
-_AWAY = -1.53, -0.89, -0.49, -0.16, 0.16, 0.49, 0.89, 1.53  # standard deviations: normal, each an eighth
+_PLACES = 32  # in which an instant may be, each as likely
 _TIMES = "times of the samples, which scatter"
 _SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
 
@@ -46,13 +46,15 @@ class ArrivedSamples:
 
     `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
     uncertainty of the mean. `of_times`, shape (n,), is the standard deviation of each value because its time
-    is not known; `others` are the values from other rows, in which they may as well begin.
+    is not known; `others` are the values from other rows, in which they may as well begin, and `shares`, shape
+    (others,), how likely they are.
     """
 
     values: Floats
     course: Floats
     of_times: Floats
     others: tuple[Floats, ...]
+    shares: Floats
     at_rest: int
     noise: Noise
     step: float
@@ -79,12 +81,14 @@ class ArrivedSamples:
             noise = Noise.of(samples[rest:])
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * np.abs(np.gradient(curve.values))[:rest]
-        rows = [math.ceil(place) for place in _eighths(begin)]
+        places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
+        rows, counts = np.unique(places, return_counts=True)
         return cls(
             values=samples[first:],
             course=course[first:],
             of_times=of_times[first:],
-            others=tuple(samples[min(max(0, row), max(0, end - 1)) :] for row in rows),
+            others=tuple(samples[row:] for row in rows),
+            shares=counts / len(places),
             at_rest=end - rest,
             noise=noise,
             step=step,
@@ -212,16 +216,21 @@ class ArrivedSamples:
     def _combined(
         self, noise: list[Contribution], of: Callable[[Floats], float], steps: float
     ) -> Uncertainty | None:
-        moved = [float(of(each)) - float(of(self.values)) for each in self.others]
-        begun = Contribution("row of the first of the samples", "B", _rms(np.array(moved)))
+        moved = np.array([of(each) - of(self.values) for each in self.others])
+        begun = Contribution(
+            "row of the first of the samples", "B", math.sqrt(float(self.shares @ moved**2))
+        )
         return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 
-def _eighths(begin: Instant) -> Floats:
-    """Return the middle of each eighth of the places in which an instant may be."""
-    if begin.drawn:
-        return np.asarray(np.quantile(begin.drawn, (np.arange(8) + 0.5) / 8.0))
-    return begin.place + begin.standard * np.array(_AWAY)
+def _places(begin: Instant) -> Floats:
+    """Return places in which an instant may be, each as likely: what noise makes of it, and as far on its
+    other side, as noise may have made it later, or earlier, than it is."""
+    middles = (np.arange(_PLACES) + 0.5) / _PLACES
+    if not begin.drawn:  # without noise, anywhere that the samples allow
+        return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
+    drawn = np.array(begin.drawn)
+    return np.asarray(np.quantile(np.concatenate([drawn, 2.0 * begin.place - drawn]), middles))
 
 
 def _rest(curve: Floats, first: int, band: float) -> int:
