@@ -35,6 +35,7 @@ _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _PLACES = 32  # in which an instant may be, each as likely
+_OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _TIMES = "times of the samples, which scatter"
 _SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
 
@@ -80,7 +81,7 @@ class ArrivedSamples:
             course[rest:] = np.mean(samples[rest:])
             noise = Noise.of(samples[rest:])
         of_times = np.zeros(end)
-        of_times[:rest] = curve.time_scatter * np.abs(np.gradient(curve.values))[:rest]
+        of_times[:rest] = curve.time_scatter * _slopes(curve.values, curve.time_scatter)[:rest]
         places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
         rows, counts = np.unique(places, return_counts=True)
         return cls(
@@ -221,6 +222,14 @@ class ArrivedSamples:
             "row of the first of the samples", "B", math.sqrt(float(self.shares @ moved**2))
         )
         return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+
+
+def _slopes(curve: Floats, scatter: float) -> Floats:
+    """Return the slopes of a curve, shape (n,), as they may be where the times of its rows scatter: on a top,
+    where they are zero at an instant, by its bend over as long, and by what its neighbours scatter."""
+    square = np.pad(np.gradient(curve) ** 2, 1, mode="edge")
+    beside = min(1.0, _OF_NEIGHBOURS * scatter**2)
+    return np.asarray(np.sqrt((1.0 - beside) * square[1:-1] + 0.5 * beside * (square[:-2] + square[2:])))
 
 
 def _places(begin: Instant) -> Floats:
