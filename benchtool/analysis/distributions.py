@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from statistics import NormalDist
 
 _SMALL = 1e-300
 _PRECISION = 1e-16
@@ -24,16 +25,22 @@ def normal_below(x: float) -> float:
 
 
 def above_zero(found: float, standard: float) -> tuple[float, float]:
-    """Return the mean and the standard deviation of the part above zero of a normal distribution about
-    `found`: the best estimate of what cannot be negative, and its standard uncertainty (JCGM 106:2012, A.4.4,
-    of prior knowledge)."""
+    """Return the median of the part above zero of a normal distribution about `found`, and the rms deviation
+    from it: the best estimate of what cannot be negative, and its standard uncertainty (JCGM 106:2012, A.4.4,
+    of prior knowledge).
+
+    Of what is zero the mean of that part is above by more than its standard deviation, in every record.
+    """
     if not standard > 0.0:
         return max(0.0, found), 0.0
     below = -found / standard
     if below > _FAR_BELOW:
-        return standard / below, standard / below
-    ratio = math.exp(-0.5 * below**2) / math.sqrt(2.0 * math.pi) / normal_below(-below)
-    return standard * (ratio - below), standard * math.sqrt(1.0 + below * ratio - ratio**2)
+        median = math.log(2.0)
+        return median * standard / below, math.hypot(1.0, 1.0 - median) * standard / below
+    share = normal_below(-below)
+    ratio = math.exp(-0.5 * below**2) / math.sqrt(2.0 * math.pi) / share
+    mean, median = ratio - below, -NormalDist().inv_cdf(0.5 * share) - below
+    return standard * median, standard * math.sqrt(1.0 + below * ratio - ratio**2 + (mean - median) ** 2)
 
 
 def student_below(dof: float, t: float) -> float:

@@ -43,7 +43,9 @@ _NEIGHBOURS = 2  # values that count as one by chance alone
 _GUMBEL = math.pi / math.sqrt(6.0)
 _EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
 _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
-_FEWEST_OVER_TAIL = 4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
+_FEWEST_OVER_TAIL = (
+    4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
+)
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,9 @@ class ArrivedSamples:
     def of_greatest(self, sign: float = 1.0) -> Uncertainty | None:
         """Return the scatter of the greatest of the values times `sign` over records like this one."""
         noise = [
-            Contribution("distribution of the extremes of such samples", "A", self._scatter_of_greatest(sign)),
+            Contribution(
+                "distribution of the extremes of such samples", "A", self._scatter_of_greatest(sign)
+            ),
             self._of_mean(),
             Contribution(_TIMES, "A", self._of_greatest_in_time(sign)),
         ]
@@ -218,9 +220,7 @@ class ArrivedSamples:
         self, noise: list[Contribution], of: Callable[[Floats], float], steps: float
     ) -> Uncertainty | None:
         moved = np.array([of(each) - of(self.values) for each in self.others])
-        begun = Contribution(
-            "row of the first of the samples", "B", math.sqrt(float(self.shares @ moved**2))
-        )
+        begun = Contribution("row of the first of the samples", "B", math.sqrt(float(self.shares @ moved**2)))
         return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 

@@ -206,7 +206,9 @@ def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis:
     peak_dB, of_peak_dB = relative.resonance()
     standard_dB = math.hypot(of_peak_dB, rest_dB)
     reason = ""
-    if standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
+    if not math.isfinite(standard_dB):
+        reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
+    elif standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
     elif not has_fallen and not peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB:
         reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
@@ -337,7 +339,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "dB",
             "greatest gain over `response_gain`: least value of `1 / gain^2` as a parabola of `f^2` through "
             "as many neighbours as it describes within their errors, shortened; without such a peak the "
-            "greatest value, less what its errors add on average; as it is at least 0, the mean of the part "
+            "greatest value, less what its errors add on average; as it is at least 0, the median of the part "
             "of its distribution that is above. Undefined where it is uncertain by more than 0.9 dB, and "
             "where the gain neither shows a peak nor falls by 3 dB in the frequencies used",
         ),

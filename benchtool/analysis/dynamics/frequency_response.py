@@ -45,7 +45,7 @@ from benchtool.analysis.dynamics.periodic_response import (
     period_of,
     periodic_response,
 )
-from benchtool.analysis.dynamics.swept_input import input_noise, sweeps
+from benchtool.analysis.dynamics.swept_input import InputNoise, input_noise
 from benchtool.analysis.dynamics.swept_steps import errors_of_steps
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, require_rate
@@ -221,9 +221,12 @@ def local_response(
             f"{len(x)} samples are too few for a response, at least {4 * (REACH + 1)} are needed: record "
             f"longer"
         )
+    noise = input_noise(r, y, (at + 1.0) / len(x))
     if stimulus is None:
         found = local_fit(x_bins, y_bins, at, at_rest=at_rest)
-        found, shows = _without_input_noise(x, y, found, at, at_rest=at_rest)
+        if noise is not None and not at_rest:
+            noise = replace(noise, share=noise.share / telling(x_bins, at))
+        found, shows = _without_input_noise(found, noise)
     else:
         found = indirect = indirect_fit(fft.rfft(stimulus)[1:], x_bins, y_bins, at, at_rest=at_rest)
         shows = NO_NOISE * indirect.noise < 1.0
@@ -232,7 +235,7 @@ def local_response(
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
     shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
     error = found.error
-    if sweeps(r):
+    if noise is not None:  # it sweeps
         of_r = found if stimulus is None else local_fit(fft.rfft(r)[1:], y_bins, at, at_rest=at_rest)
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
         error = np.hypot(found.error, of_steps)
@@ -258,23 +261,13 @@ def _above_zero(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.maximum(values, np.finfo(np.float64).tiny)
 
 
-def _without_input_noise(
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    found: LocalFit,
-    at: NDArray[np.int64],
-    *,
-    at_rest: bool,
-) -> tuple[LocalFit, NDArray[np.bool_]]:
-    """Return a response about bins `at`, dc left out, without the bias by noise of an input that sweeps, and
-    where there is little enough of that."""
-    noise = input_noise(x, y, (at + 1.0) / len(x))
+def _without_input_noise(found: LocalFit, noise: InputNoise | None) -> tuple[LocalFit, NDArray[np.bool_]]:
+    """Return a response, shape (m,), without the bias by noise of an input that sweeps, and where there is
+    little enough of that."""
     if noise is None:
-        return found, np.ones(len(at), dtype=np.bool_)
-    if not at_rest:
-        noise = replace(noise, share=noise.share / telling(fft.rfft(x)[1:], at))
+        return found, np.ones(len(found.response), dtype=np.bool_)
     if noise.excites(found.response):
-        return found, np.ones(len(at), dtype=np.bool_)
+        return found, np.ones(len(found.response), dtype=np.bool_)
     response = noise.corrected(found.response)
     size = np.maximum(np.abs(response), np.finfo(np.float64).tiny)
     changed = np.abs(response - found.response)

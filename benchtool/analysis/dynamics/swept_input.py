@@ -54,14 +54,9 @@ class InputNoise:
         return np.asarray(response + share / (1.0 - share) * (response - self.response))
 
 
-def sweeps(x: Floats) -> bool:
-    """Return whether an input, shape (n,), sweeps: at each frequency it is quiet most of the time."""
-    return input_noise(x, x, np.ones(1)) is not None
-
-
 def input_noise(x: Floats, y: Floats, at: Floats) -> InputNoise | None:
     """Return the noise in an input at frequencies `at`, in cycles per sample, shape (m,); None if the input
-    does not sweep, or is too short."""
+    does not sweep, is at each frequency not quiet most of the time, or is too short."""
     from scipy import ndimage
 
     size = 2 * (len(x) // (_PARTS + 1))
