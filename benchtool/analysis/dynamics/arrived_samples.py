@@ -47,8 +47,8 @@ class ArrivedSamples:
 
     `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
     uncertainty of the mean. `of_times`, shape (n,), is the standard deviation of each value because its time
-    is not known; `others` are the values from other rows, in which they may as well begin, and `shares`, shape
-    (others,), how likely they are.
+    is not known; `others` are the values from other rows, in which they may as well begin, and `shares`,
+    shape (others,), how likely they are.
     """
 
     values: Floats

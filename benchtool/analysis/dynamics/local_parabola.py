@@ -20,9 +20,9 @@ _REAL = 1e-9  # imaginary part of a real root
 @dataclass(frozen=True)
 class LocalParabola:
     """Weighted least-squares parabola about 0: coefficients, their covariance, and the mean square of what it
-    leaves relative to the errors, 1 at least, and whether it describes its points.
+    leaves relative to the errors, at least that of all points of the curve; and whether it describes its own.
 
-    `scatter` is the mean square that a cubic leaves, 1 at least. `cubic` and `quartic` are the coefficients
+    `scatter` is the mean square that a cubic leaves, likewise. `cubic` and `quartic` are the coefficients
     of such polynomials through the same points, all within `reach`, or of lower order where there are too
     few.
     """
@@ -37,8 +37,9 @@ class LocalParabola:
     reach: float
 
     @classmethod
-    def through(cls, places: Floats, values: Floats, weights: Floats) -> LocalParabola:
-        """Fit values at places, with weights of one over the squared errors, all of shape (n,)."""
+    def through(cls, places: Floats, values: Floats, weights: Floats, scatter: float = 1.0) -> LocalParabola:
+        """Fit values at places, with weights of one over the squared errors, all of shape (n,), by whose
+        mean square times `scatter` they scatter at least."""
         terms = min(_PARABOLA, len(places) - 1) if len(places) > 1 else 1
         root = np.sqrt(weights)
 
@@ -54,7 +55,7 @@ class LocalParabola:
         covariance: Floats = np.zeros((_PARABOLA, _PARABOLA))
         coefficients[:terms] = solution
         inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
-        covariance[:terms, :terms] = inverse * max(1.0, mean_square)
+        covariance[:terms, :terms] = inverse * max(scatter, mean_square)
         cubic, beyond = coefficients, mean_square
         if len(places) > _CUBIC:
             cubic = fitted(_CUBIC)
@@ -63,8 +64,8 @@ class LocalParabola:
         return cls(
             coefficients,
             covariance,
-            max(1.0, mean_square),
-            max(1.0, min(beyond, mean_square)),
+            max(scatter, mean_square),
+            max(scatter, min(beyond, mean_square)),
             mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom),
             cubic,
             fitted(_QUARTIC) if len(places) >= _QUARTIC else cubic,

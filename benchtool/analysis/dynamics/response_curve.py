@@ -35,6 +35,8 @@ _FINE = 200  # places between two frequencies
 _OF_CHANGE = 0.2  # of what a cubic changes of a parabola
 _OF_PARABOLA = 0.6  # of what a parabola differs by
 _OF_STRAIGHT = 0.1  # of what a straight line differs by
+_OF_A_CUBIC, _FEWEST_OF_SCATTER = 4, 20  # neighbours that leave one free; values that tell their scatter
+_OF_MEDIAN = 1.0 / 0.4549  # mean square over median square, of normal values
 _VERTICES = 2  # fits, each about the vertex of the one before
 _NEPER_OF_POWER_DB = 10.0 / math.log(10.0)
 _DRAWS = 80
@@ -322,6 +324,21 @@ class ResponseCurve:
         return 1.0 / np.clip(self.error, least, _MOST_UNEQUAL * smallest) ** 2
 
     @cached_property
+    def _scatter(self) -> float:
+        """Mean square by which the values scatter, over that of their errors, at least 1: by the median of
+        what cubics leave of five neighbours each, of which few bend more than a cubic does."""
+        count = len(self.values)
+        if count < _FEWEST_OF_SCATTER:
+            return 1.0
+        rows = np.arange(count - _OF_A_CUBIC)[:, np.newaxis] + np.arange(_OF_A_CUBIC + 1)
+        places = np.log(self.frequency_Hz)[rows]
+        apart = places[:, :, np.newaxis] - places[:, np.newaxis, :] + np.eye(_OF_A_CUBIC + 1)
+        of_each = 1.0 / np.prod(apart, axis=2)  # fourth divided difference
+        left = np.sum(of_each * self.values[rows], axis=1) ** 2
+        stated = np.sum(of_each**2 / self._weights[rows], axis=1)
+        return max(1.0, _OF_MEDIAN * float(np.median(left / stated)))
+
+    @cached_property
     def _widths(self) -> NDArray[np.int64]:
         """Neighbours to either side of each value."""
         count = len(self.values)
@@ -344,13 +361,15 @@ class ResponseCurve:
         count = 2 * _FEWEST + 1
         while count <= max(within, 2 * _FEWEST + 1) and count <= len(places):
             chosen = nearest[:count]
-            fit = LocalParabola.through(places[chosen], self.values[chosen], self._weights[chosen])
+            fit = LocalParabola.through(
+                places[chosen], self.values[chosen], self._weights[chosen], self._scatter
+            )
             if found and not fit.describes:
                 break
             found.append(fit)
             count = math.ceil(_LONGER * count)
         if not found:
-            found.append(LocalParabola.through(places, self.values, self._weights))
+            found.append(LocalParabola.through(places, self.values, self._weights, self._scatter))
         return found[max(0, len(found) - 2)], found[-1]
 
 
