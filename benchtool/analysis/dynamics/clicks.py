@@ -29,10 +29,10 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
 
     A click is one sample, or each of two, beyond both neighbours and beyond the medians of three samples to
     either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
-    from each other, so that an edge is none. The noise is how far half of the samples, of all or of those near
-    where that is more, are from the mean of their neighbours: what oscillates is none either. Samples without
-    noise are returned as they are, and so are those of which more than a fiftieth would be clicks, with their
-    number.
+    from each other, so that an edge is none. The noise is how far half of the samples, of all or of those
+    near where that is more, are from the mean of their neighbours: what oscillates is none either. Samples
+    without noise are returned as they are, and so are those of which more than a fiftieth would be clicks,
+    with their number.
     """
     count = len(samples)
     if count < _FEWEST:

@@ -28,7 +28,7 @@ from benchtool.analysis.dynamics.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import means_of_parts
 from benchtool.analysis.torque import TORQUE
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -334,11 +334,32 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     yield _value(step, "tracking_error_mean", f"mean of {window}", mean, found.of_mean())
-    text = f"rms, with the mean, of {window}"
-    yield _value(step, "tracking_error_rms", text, found.rms, found.of_rms())
+    yield _tracking_rms(step, found, window)
     greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"
     yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
+
+
+def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement:
+    """Return the rms of the error, without the power that noise leaves in a reference."""
+    name, text = "tracking_error_rms", f"rms, with the mean, of {window}"
+    square, uncertain = found.rms**2, found.of_rms()
+    if not len(step.r_errors) or uncertain is None or not square > 0.0:
+        return _value(step, name, text, found.rms, uncertain)
+    powers = np.mean(step.r_errors[:, -len(found.values) :] ** 2, axis=1)
+    power, spread = float(np.mean(powers)), float(np.std(powers))
+    text = f"{text}, without {math.sqrt(power):.2g} {step.unit} rms of noise left in the reference"
+    # of a square, and with it of its root, less than a standard uncertainty is left
+    least = math.hypot(spread, 2.0 * found.rms * uncertain.standard)
+    if square - power < least:
+        reason = "it is not told from the noise of the reference: record a reference that has less"
+        return Measurement.undefined(name, step.unit, text, reason, step.basis)
+    rms = math.sqrt(square - power)
+    lines = (
+        Contribution("that of the rms with this noise", "A", uncertain.standard * found.rms / rms),
+        Contribution("power of noise left in the reference", "A", spread / (2.0 * rms)),
+    )
+    return _value(step, name, text, rms, combined(lines, uncertain.source))
 
 
 def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float) -> ArrivedSamples:

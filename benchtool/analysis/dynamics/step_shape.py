@@ -46,7 +46,8 @@ class Step:
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
     the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
     uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
-    `greatest_error` is the standard uncertainty that its noise leaves. `y_clear` is the signal without
+    `greatest_error` is the standard uncertainty that its noise leaves, and `r_errors`, shape (draws, n), what
+    it may leave in `r`; without noise there are no draws. `y_clear` is the signal without
     its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
     its noise at rest. `shown_late` is for how long after a row it is shown at most, in rows.
     """
@@ -57,6 +58,7 @@ class Step:
     y_before: Floats
     y_noise: Noise
     r: Floats
+    r_errors: Floats
     sign: float
     begin: int
     row: int
@@ -124,7 +126,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     r_noise = Noise.of(r[-tail:])
     sign = 1.0 if np.max(r) - r[0] >= r[0] - np.min(r) else -1.0
     y, r = sign * y, sign * r
-    r, greatest, greatest_error = _without_noise(r, row, r_noise)
+    r, greatest, greatest_error, r_errors = _without_noise(r, row, r_noise)
     before = float(r[0])
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
@@ -149,6 +151,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         y_before=clear[: max(1, begin)],
         y_noise=Noise.of(clear[:begin], clear[-tail:]),
         r=r[begin:],
+        r_errors=r_errors[:, first::held_rows][:, begin:],
         sign=sign,
         begin=begin,
         row=row,
@@ -176,11 +179,12 @@ def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
     return clear, clicks
 
 
-def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float]:
-    """Return a reference, shape (n,), that rises by about half its way in `row`, without its noise; and its
-    greatest value, the mean of those that noise may make it, with the standard uncertainty of that."""
+def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float, Floats]:
+    """Return a reference, shape (n,), that rises by about half its way in `row`, without its noise; its
+    greatest value, the mean of those that noise may make it, with the standard uncertainty of that; and
+    what noise may have left in all, shape (draws, n)."""
     if not noise.rms > 0.0:
-        return r, float(np.max(r)), 0.0
+        return r, float(np.max(r)), 0.0, np.empty((0, len(r)))
     curve = NoisyCurve.through(r[row:], noise)
     top = int(np.argmax(curve.values))
     near = curve.values >= curve.values[top] - 2.0 * _SIGMAS * curve.standard
@@ -188,7 +192,9 @@ def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, fl
     rest = r[:row].copy()
     still = int(np.argmax(np.append(rest - rest[0] > _LEAVES * noise.rms, True)))
     rest[:still] = np.mean(rest[:still])
-    return np.concatenate([rest, curve.values]), greatest, noise.of_mean(int(np.count_nonzero(near)))
+    left = np.pad(curve.errors, ((0, 0), (row, 0)))
+    smooth = np.concatenate([rest, curve.values])
+    return smooth, greatest, noise.of_mean(int(np.count_nonzero(near))), left
 
 
 def _within(block: Block, *, held: bool) -> float:
