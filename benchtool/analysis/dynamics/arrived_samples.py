@@ -233,13 +233,13 @@ def _slopes(curve: Floats, scatter: float) -> Floats:
 
 
 def _places(begin: Instant) -> Floats:
-    """Return places in which an instant may be, each as likely: what noise makes of it, and as far on its
-    other side, as noise may have made it later, or earlier, than it is."""
+    """Return places in which an instant may be, each as likely: as far about it as noise moves it about what
+    noise makes of it in the middle, as one that is picked from noisy samples is, and is drawn, too late."""
     middles = (np.arange(_PLACES) + 0.5) / _PLACES
     if not begin.drawn:  # without noise, anywhere that the samples allow
         return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
     drawn = np.array(begin.drawn)
-    return np.asarray(np.quantile(np.concatenate([drawn, 2.0 * begin.place - drawn]), middles))
+    return np.asarray(begin.place + np.quantile(drawn, middles) - np.median(drawn))
 
 
 def _rest(curve: Floats, first: int, band: float) -> int:

@@ -396,7 +396,7 @@ def _between(above: Floats, at: int) -> _Crossing:
 
     The line through the two before (or rest, before the first) and that through the two after bound it,
     unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
-    it, for a jump nothing does.
+    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
     """
     below, here = float(above[at - 1]), float(above[at])
     first = last = line = below / (below - here)
@@ -407,10 +407,13 @@ def _between(above: Floats, at: int) -> _Crossing:
         slope = float(above[at + 1]) - here
         from_after = max(0.0, 1.0 - here / slope) if slope > 0.0 else 0.0
         first, last = min(first, from_after), max(last, from_after)
-    width, place = last - first, line
+    width, middle = last - first, 0.5 * (first + last)
     if at >= 2 and at + 1 < len(above):
-        place = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
-    return _Crossing(at - 1 + (1.0 - width) * place + width * 0.5 * (first + last), 0.5 * width)
+        cubic = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
+        return _Crossing(at - 1 + (1.0 - width) * cubic + width * middle, 0.5 * width)
+    place = (1.0 - width) * line + width * middle
+    # the width of as large a deviation from there as from the middle of the interval
+    return _Crossing(at - 1 + place, math.hypot(0.5 * width, math.sqrt(3.0) * (middle - place)))
 
 
 def _cubic_zero(four: Floats, start: float) -> float:
