@@ -186,6 +186,11 @@ ANSWERS: Mapping[str, Answer] = {
     "answer_held": Answer(_RINGING, held=3),
     "answer_held_noise": Answer((Mode(1.0, 26.0),), held=5, noise=6e-3, rows=(250, 1500)),
     "answer_walk": Answer(_LAG, noise=2e-3, walk=4e-4, rows=(400, 1800)),
+    "answer_heavy_ringing": Answer(_RINGING, noise=6e-3, heavy=True, rows=(300, 1500)),
+    "answer_spikes_rare": Answer((Mode(1.0, 11.0),), noise=5e-3, spikes=(0.006, 0.04), rows=(300, 1800)),
+    "answer_ringing_reference_noise": Answer(_RINGING, noise=4e-3, of_reference=8e-3, rows=(150, 1000)),
+    "answer_jitter_lag": Answer((Mode(1.0, 31.0),), jitter=0.3),
+    "answer_held_late": Answer((Mode(1.0, 24.0, 90.0),), held=4, delay=5.1),
     "answer_limited_few_rows": Answer((Mode(1.0, 13.0),), ramp=11.0, beyond=0.3, rows=(60, 400)),
 }
 

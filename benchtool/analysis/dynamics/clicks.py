@@ -49,9 +49,7 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
         hits |= hit
         if too_many(int(np.count_nonzero(hits)), count):
             return samples, int(np.count_nonzero(hits))
-        rows = np.arange(count)
-        mended = samples.copy()
-        mended[hits] = np.interp(rows[hits], rows[~hits], samples[~hits])
+        mended = _bridged(samples, hits)
     return mended, int(np.count_nonzero(hits))
 
 
@@ -63,8 +61,18 @@ def without_outliers(samples: Floats, least: Floats) -> Floats:
     far = _beyond_around(samples) > least
     if not np.any(far) or np.all(far):
         return samples
-    rows = np.arange(len(samples))
-    return np.asarray(np.where(far, np.interp(rows, rows[~far], samples[~far]), samples))
+    return _bridged(samples, far)
+
+
+def _bridged(samples: Floats, hits: NDArray[np.bool_]) -> Floats:
+    """Return samples, shape (n,), with those of the `hits` on the line between their neighbours, or between
+    the medians of these and of the two beside each, as a neighbour may be an outlier itself."""
+    rows, rest = np.arange(len(samples)), samples[~hits]
+    ends = np.pad(rest, 1, mode="edge")
+    middle = np.median([ends[:-2], rest, ends[2:]], axis=0)
+    bridged = samples.copy()
+    bridged[hits] = np.interp(rows[hits], rows[~hits], middle)
+    return bridged
 
 
 def too_many(clicks: int, count: int) -> bool:

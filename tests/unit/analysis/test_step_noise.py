@@ -138,3 +138,50 @@ def test_rare_spikes_are_in_the_noise_that_is_drawn() -> None:
     assert np.mean((drawn / np.std(drawn)) ** 4) > 5.0
     normal = Noise.of(random.standard_normal(1000)).draw(random, (50, 1000))
     assert np.mean((normal / np.std(normal)) ** 4) == pytest.approx(3.0, abs=0.2)
+
+
+@pytest.mark.parametrize("pair", [(0.06, -0.06), (-0.05, -0.03), (0.06, 0.0)])
+def test_outliers_long_after_the_answer_do_not_delay_settling(pair: tuple[float, float]) -> None:
+    y, r = _noisy(1.0, 0.008, rows=2000)
+    truth_s = 5.0 / RATE_HZ + 1e-3 * math.log(50.0)
+    for row in (700, 1300):
+        y[row : row + 2] += pair
+        error, standard = _errors(y, r, "settling_time", truth_s)
+        assert abs(error) < 3.0 * standard < 1e-3
+
+
+@pytest.mark.slow
+def test_extremes_and_the_rms_of_heavy_noise_are_as_uncertain_as_they_scatter() -> None:
+    y, r = _noisy(1.0, 0.0, rows=1500)
+    names = "plateau_max", "plateau_min", "tracking_error_max", "tracking_error_rms"
+    found: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
+    for seed in range(24):
+        noise = 0.005 * np.random.default_rng(seed).standard_t(3, len(y))
+        for each in analyze_step(_block(y + noise, r), "torque", "torque_reference").measurements:
+            if each.name in found and each.uncertainty is not None:
+                found[each.name].append((each.value, each.uncertainty.standard))
+    for name, pairs in found.items():
+        value, standard = np.array(pairs).T
+        relative = (value - np.mean(value)) / standard
+        assert 0.4 < float(np.sqrt(np.mean(relative**2))) < 1.8, name
+
+
+def test_the_rms_of_a_tracking_error_is_without_the_noise_of_its_reference() -> None:
+    y, r = _noisy(1.0, 0.005, rows=1500)
+    errors = []
+    for seed in range(12):
+        noise = 0.015 * np.random.default_rng(seed).standard_normal(len(r))
+        found = _one(y, r + noise, "tracking_error_rms")
+        assert "of noise left in the reference" in found.definition
+        errors.append(_errors(y, r + noise, "tracking_error_rms", 0.005))
+    error, standard = np.array(errors).T
+    assert abs(float(np.mean(error))) < 3e-4
+    assert float(np.sqrt(np.mean((error / standard) ** 2))) < 1.5
+
+
+def test_an_error_that_the_noise_of_a_reference_hides_has_no_rms() -> None:
+    y, r = _noisy(1.0, 1e-4, rows=1500)
+    noise = 0.03 * np.random.default_rng(3).standard_normal(len(r))
+    found = _one(y, r + noise, "tracking_error_rms")
+    assert math.isnan(found.value)
+    assert "not told from the noise of the reference" in found.reason
