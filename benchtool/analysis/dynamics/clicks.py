@@ -96,9 +96,12 @@ def converter_step(samples: Floats) -> float:
 
 
 def _beyond_around(samples: Floats) -> Floats:
-    """Return how far each sample, shape (n,), is beyond what is around, alone or as one of two."""
-    beyond = (_beyond(samples, length) for length in range(1, _LONGEST + 1))
-    return np.asarray(np.maximum.reduce(list(beyond)))
+    """Return how far each sample, shape (n,), is beyond what is around, alone or as one of two; at the ends
+    that is continued as in a mirror."""
+    around = _REACH + _LONGEST
+    mirrored = np.pad(samples, around, mode="reflect")
+    beyond = [_beyond(mirrored, length) for length in range(1, _LONGEST + 1)]
+    return np.asarray(np.maximum.reduce(beyond)[around : len(samples) + around])
 
 
 def _beyond(samples: Floats, length: int) -> Floats:
