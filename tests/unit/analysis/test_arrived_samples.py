@@ -88,3 +88,13 @@ def test_the_extreme_of_a_line_that_scatters_is_one_of_few_crests() -> None:
         greatest.append(float(np.max(found.values)))
         standard.append(_standard(found.of_greatest()))
     assert 0.6 < np.std(greatest) / np.sqrt(np.mean(np.square(standard))) < 1.5
+
+
+def test_a_first_row_that_is_one_of_twenty_by_chance_counts() -> None:
+    """The least value is the first, unless one row earlier counts, as in four of eighty draws."""
+    place = math.floor(ARRIVED.place) + 0.3
+    drawn = (place - 0.6,) * 4 + (place + 0.1,) * 76
+    samples = _samples(COURSE, begin=Instant(place, 0.2, drawn))
+    row = math.ceil(place)
+    apart = COURSE[row] - COURSE[row - 1]
+    assert _standard(samples.of_least()) == pytest.approx(apart * math.sqrt(0.05), rel=0.35)

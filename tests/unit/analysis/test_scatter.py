@@ -17,6 +17,7 @@ from benchtool.analysis.scatter import (
     is_memory_untold,
     scatter_of_largest,
     tail_index,
+    tail_index_of_heavy,
 )
 
 
@@ -83,6 +84,16 @@ def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
     assert np.median(normal) == 0.0
     assert np.median(heavy) == pytest.approx(1.0 / 3.0, abs=0.12)
     assert tail_index(np.ones(50)) == 0.0
+
+
+def test_tails_known_to_be_heavy_have_an_index_also_where_it_is_not_significant() -> None:
+    random = np.random.default_rng(5)
+    few = [random.standard_t(3.0, 400) for _ in range(40)]
+    assert all(tail_index(each, 40) == 0.0 for each in few)
+    heavy = [tail_index_of_heavy(each, 40) for each in few]
+    assert 0.2 < float(np.median(heavy)) < 0.6
+    assert min(heavy) > 0.0
+    assert tail_index_of_heavy(np.ones(400), 40) == tail_index_of_heavy(few[0][:60], 40) == 0.0
 
 
 def test_the_largest_of_a_heavy_tail_scatters_more() -> None:
