@@ -32,6 +32,7 @@ Floats = NDArray[np.float64]
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
 _CONTRADICTS = 6.0  # standard deviations between the values of two windows that noise does not exceed
+_OF_FEW = 2  # half window: a parabola through so few samples goes with any of them
 _OUTLIER = 3.0  # standard deviations of a sample beyond all around it: rare in noise, and no edge
 _CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
 _SHORTER = 1.5  # how much shorter the window is than the one of least risk
@@ -184,6 +185,8 @@ class _Smoothed:
             for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
                 between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
                 apart = np.abs(curve - even._under(shorter)[0]) > _CONTRADICTS * between * self._levels
+                if shorter <= _OF_FEW:
+                    apart = _in_rows(apart)
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
         # where part of a window reaches over an edge, too little to show, its end has still no place
         away = _CLEARANCE * np.arange(count)
@@ -214,6 +217,15 @@ class _Smoothed:
             products = weights[half : half + lags] * self._noise.autocovariance[:lags]
             self._curves[half] = curve, float(2.0 * np.sum(products) - products[0])
         return self._curves[half]
+
+
+def _in_rows(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where three samples in a row are found: one or two of louder noise are no edge."""
+    three = found[:-2] & found[1:-1] & found[2:]
+    kept = np.zeros(len(found), dtype=np.bool_)
+    for offset in range(3):
+        kept[offset : len(found) - 2 + offset] |= three
+    return kept
 
 
 def _convolved(samples: Floats, weights: Floats) -> Floats:
