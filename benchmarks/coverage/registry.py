@@ -11,6 +11,7 @@ from benchmarks.coverage import (
     dynamic,
     encounters,
     identified,
+    lines,
     mixed,
     pairs,
     revolutions,
@@ -37,5 +38,6 @@ FAMILIES: Mapping[str, Family] = {
         *sidebands.FAMILIES,
         *answers.FAMILIES,
         *revolutions.FAMILIES,
+        *lines.FAMILIES,
     )
 }

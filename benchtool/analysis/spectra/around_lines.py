@@ -31,11 +31,13 @@ _ON_BIN = 1e-6
 
 @dataclass(frozen=True)
 class Surrounded:
-    """A line at a `place`, in bins, of an `amplitude`, and the rms amplitude of noise in a bin there."""
+    """A line at a `place`, in bins, of an `amplitude`, and the rms amplitude of noise in a bin there, and, as
+    far as other bins tell it, `far` from there."""
 
     place: float
     amplitude: float
     noise: float
+    far: float
 
 
 def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
@@ -56,8 +58,8 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
         [np.arange(max(1, first - BESIDE), max(1, first)), np.arange(last, min(last + BESIDE, len(size)))]
     )
     if not len(number):
-        return Surrounded(place + offset, amplitude, math.nan)
-    noise = max(float(np.median(size[number])) / RAYLEIGH, _continued(number, size[number], place))
+        return Surrounded(place + offset, amplitude, math.nan, math.nan)
+    far = noise = max(float(np.median(size[number])) / RAYLEIGH, _continued(number, size[number], place))
     below, above = size[max(1, first - _NEAR) : max(1, first)], size[last : last + _NEAR]
     if len(below) == len(above) == _NEAR:
         nearby = min(float(np.median(below)), float(np.median(above))) / RAYLEIGH
@@ -66,7 +68,7 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
             if fitted is not None and fitted.noise < _LINES_ALONE * nearby:
                 return replace(fitted, noise=max(noise, fitted.noise))
             noise = nearby
-    return Surrounded(place + offset, amplitude, noise)
+    return Surrounded(place + offset, amplitude, noise, far)
 
 
 def _continued(number: NDArray[np.int64], around: Floats, place: int) -> float:
@@ -102,7 +104,7 @@ def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Sur
         places = places - np.clip(np.real(moved / amplitudes), -1.0, 1.0)
     own = int(np.argmin(np.abs(peaks - place)))
     left = math.sqrt(float(np.sum(np.abs(rest) ** 2)) / (len(number) - basis.shape[1]))
-    return Surrounded(float(places[own]), float(np.abs(amplitudes[own])), left)
+    return Surrounded(float(places[own]), float(np.abs(amplitudes[own])), left, noise)
 
 
 def _response(apart: Floats) -> Floats:

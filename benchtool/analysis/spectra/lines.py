@@ -16,6 +16,8 @@ from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeatability import wander_of_line
 from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
+from benchtool.analysis.spectra.steadiness import Line, examined
+from benchtool.analysis.spectra.swinging_lines import with_swing
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -24,7 +26,7 @@ from benchtool.block import Block
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-_LISTED = 10
+_LISTED, _LOOKED_AT = 10, 60
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
@@ -40,23 +42,14 @@ class SpectralLines:
     tables: tuple[Table, ...]
 
 
-@dataclass(frozen=True)
-class _Line:
-    """Place, in bins, and peak amplitude, with standard uncertainties; `noise` is the rms of a bin nearby."""
-
-    place: float
-    amplitude: float
-    of_place: float
-    of_amplitude: float
-    noise: float
-
-
 def spectral_lines(block: Block, channel: str, name: str = "torque") -> SpectralLines:
     """Return the largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
 
     A DFT of the whole record under a Hann window; frequency and amplitude of each local maximum are
     interpolated between its two greatest bins, or fitted together with lines beside it. A line stands out
-    with an amplitude above five times the rms of the noise around it (`around_lines`).
+    with an amplitude above five times the rms of the noise around it (`around_lines`). Of one that decays,
+    or whose frequency drifts, they are the means over the record; what no such course explains has none
+    (`steadiness`).
 
     Raises:
         AnalysisError: a gap, no such channel, or a dead signal.
@@ -76,7 +69,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     step = counting_step(samples)
     rows = [_line(bins, size, place, step) for place in (_candidates(size) if count >= _FEWEST else ())]
     rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
-    rows.sort(key=lambda each: -each.amplitude)
+    rows = _examined(bins, count, rows)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -89,8 +82,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {width_Hz:.4g} Hz a bin"
     )
     texts = (
-        ("frequency", "Hz", f"frequency of the largest sinusoid of {what}"),
-        ("amplitude", unit, f"peak amplitude of the largest sinusoid of {what}"),
+        ("frequency", "Hz", f"mean frequency of the largest sinusoid of {what}"),
+        ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
         reason = "no line stands out of the noise"
@@ -104,8 +97,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
         for each in rows[:_LISTED]
     )
-    reason = "" if len(rows) < 2 else _not_apart(rows[0], rows[1])
-    source = "noise around the line and resolution; another line within three bins is left out"
+    reason = rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
+    source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0])
     frequency, amplitude = (
         Measurement(
@@ -116,14 +109,31 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     frequency = replace(
         frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
     )
+    why = rows[0].reason or rows[0].of_mean
+    if why:
+        amplitude = Measurement.undefined(amplitude.name, unit, amplitude.definition, why, basis)
+    elif rows[0].unsure:
+        amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=rows[0].unsure)
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
     return SpectralLines((frequency, amplitude), (_table(name, listed, unit, what, basis),))
 
 
-def _not_apart(largest: _Line, second: _Line) -> str:
+def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
+    """Return the largest lines as what they turn out to be, the largest first; those that belong to one that
+    changes are part of it."""
+    rows = sorted(rows, key=lambda each: -each.amplitude)[:_LOOKED_AT]
+    found: list[Line] = []
+    for each in rows:
+        if len(found) < _LISTED and not any(abs(each.place - one.place) < one.width for one in found):
+            now = examined(bins, count, each, rows)
+            found.append(now if now.reason or now.width else with_swing(bins, count, now))
+    return sorted(found, key=lambda each: -each.amplitude)
+
+
+def _not_apart(largest: Line, second: Line) -> str:
     """Return why the largest line is ambiguous; empty if it is not."""
-    both = math.hypot(largest.of_amplitude, second.of_amplitude)
+    both = math.hypot(largest.of_amplitude, second.amplitude if second.reason else second.of_amplitude)
     if largest.amplitude - second.amplitude > _APART * both:
         return ""
     return (
@@ -168,7 +178,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     return places[bins[places] > level * middle]
 
 
-def _line(bins: Complexes, size: Floats, place: int, step: float) -> _Line:
+def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
     """Return a sinusoid by the two greatest bins of its maximum, with its uncertainty by noise.
 
     Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
@@ -180,15 +190,17 @@ def _line(bins: Complexes, size: Floats, place: int, step: float) -> _Line:
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
     # what the steps of a sine repeat with it is spread over as many lines as it crosses steps in a period
     crossed = max(1.0, 4.0 * found.amplitude / step) if step > 0.0 else 1.0
-    of_amplitude = math.hypot(component * found.amplitude / own, step * math.sqrt(2.0 / (12.0 * crossed)))
-    return _Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise)
+    of_steps = step * math.sqrt(2.0 / (12.0 * crossed))
+    of_amplitude = math.hypot(component * found.amplitude / own, of_steps)
+    far = math.hypot(found.far, of_steps)
+    return Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise, far)
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
     return Table(
         f"{name}_lines",
-        f"the largest sinusoids of {what}, interpolated between bins, with standard uncertainties from the "
-        f"noise around each",
+        f"the largest sinusoids of {what}, means over the record, with standard uncertainties from the noise "
+        f"around each; none where its amplitude or frequency changes so that the line is wider",
         (
             *(("frequency_Hz", "Hz"), ("amplitude", unit)),
             *(("frequency_uncertainty_Hz", "Hz"), ("amplitude_uncertainty", unit)),
@@ -209,9 +221,11 @@ TORQUE_LINES: Final = Analysis(
     measure=_measure,
     quantities=(
         Quantity(
-            ("torque_line_frequency",), "Hz", "frequency of the largest sinusoid, up to half the sample rate"
+            ("torque_line_frequency",),
+            "Hz",
+            "mean frequency of the largest sinusoid, up to half the sample rate",
         ),
-        Quantity(("torque_line_amplitude",), "Nm", "its peak amplitude"),
+        Quantity(("torque_line_amplitude",), "Nm", "its mean peak amplitude, without sidebands"),
     ),
     settings=NoSettings,
     channels=("torque",),

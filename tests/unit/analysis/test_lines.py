@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.typing import NDArray
 
 from benchtool.analysis import orders_at_speed, spectral_lines
 from benchtool.analysis.orders.orders import describe_orders
 from benchtool.analysis.spectra import lines
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
+
+Floats = NDArray[np.float64]
 
 RATE_HZ, COUNT = 5_000.0, 8_000
 TIME_S = np.arange(COUNT) / RATE_HZ
@@ -77,11 +80,84 @@ def test_sidebands_to_both_sides_are_no_noise_of_the_carrier(sidebands_Hz: float
     values = 1.5 + 0.05 * np.cos(turned) + 1e-3 * np.random.default_rng(3).standard_normal(COUNT)
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values)
     frequency, amplitude = spectral_lines(block, "torque").measurements
-    for found, truth in ((frequency, 240.2), (amplitude, 0.05 * 0.671133)):
-        assert found.uncertainty is not None
-        assert abs(found.value - truth) < 4.0 * found.uncertainty.standard
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - 240.2) < 4.0 * frequency.uncertainty.standard
+    assert amplitude.value == pytest.approx(0.05 * 0.671133, abs=1.5e-3)
+    assert amplitude.uncertainty is None
+    assert "as of a line whose phase swings" in amplitude.uncertainty_reason
+
+
+def test_sidebands_of_an_amplitude_that_swings_leave_the_carrier_as_it_is() -> None:
+    size = 0.05 * (1.0 + 0.4 * np.cos(2 * np.pi * 3.1 * TIME_S + 0.3))
+    values = 1.5 + size * np.cos(2 * np.pi * 240.2 * TIME_S)
+    values += 1e-3 * np.random.default_rng(3).standard_normal(COUNT)
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values)
+    amplitude = spectral_lines(block, "torque").measurements[1]
     assert amplitude.uncertainty is not None
-    assert amplitude.uncertainty.standard < 4e-4
+    assert abs(amplitude.value - 0.05) < 4.0 * amplitude.uncertainty.standard
+
+
+def changing(size: Floats, turned_rad: Floats, noise: float, seed: int) -> Block:
+    """A line of 240.2 Hz with a course of its amplitude and of its phase, each shape (COUNT,)."""
+    noisy = 1.5 + noise * np.random.default_rng(seed).standard_normal(COUNT)
+    line = size * np.cos(2 * np.pi * 240.2 * TIME_S + turned_rad)
+    return Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=noisy + line)
+
+
+AT = TIME_S / TIME_S[-1]
+STEADY = np.zeros(COUNT)
+
+
+@pytest.mark.parametrize(
+    ("size", "turned_rad"),
+    [
+        (0.1 * np.exp(-8.0 * AT), STEADY),
+        (0.1 * np.exp(-0.6 * AT), STEADY),
+        (0.1 + STEADY, np.pi * 5.0 * (AT**2 - AT)),
+        (0.1 + STEADY, np.pi * 0.6 * (AT**2 - AT)),
+    ],
+    ids=["rings down", "decays", "drifts", "drifts little"],
+)
+def test_of_a_line_that_changes_evenly_the_mean_frequency_is_known(size: Floats, turned_rad: Floats) -> None:
+    within = 0
+    for seed in range(20):
+        frequency, amplitude = spectral_lines(changing(size, turned_rad, 2e-3, seed), "torque").measurements
+        assert frequency.uncertainty is not None
+        assert frequency.uncertainty.standard < 0.01
+        within += abs(frequency.value - 240.2) <= frequency.uncertainty.expanded
+        if size[0] > 2.0 * size[-1]:
+            assert "changes within the record" in amplitude.reason
+        else:
+            assert amplitude.uncertainty is not None
+            assert abs(amplitude.value - np.mean(size)) < 4.0 * amplitude.uncertainty.standard
+    assert within >= 17
+
+
+@pytest.mark.parametrize(
+    ("size", "turned_rad"),
+    [
+        (0.1 * (AT > 0.4), STEADY),
+        (0.1 + STEADY, 2.0 * (AT > 0.4)),
+        (0.1 + STEADY, 8.0 * np.maximum(AT - 0.6, 0.0)),
+    ],
+    ids=["begins late", "phase jumps", "speed steps"],
+)
+def test_a_line_that_changes_otherwise_is_refused(size: Floats, turned_rad: Floats) -> None:
+    found = spectral_lines(changing(size, turned_rad, 2e-3, 1), "torque")
+    for each in found.measurements:
+        assert np.isnan(each.value)
+        assert "wider than that of a steady sinusoid" in each.reason
+    assert np.isnan(found.tables[0].rows[0][2:]).all()
+
+
+@pytest.mark.parametrize("apart", [1.2, 2.1, 3.4])
+def test_two_lines_in_one_main_lobe_are_told_apart(apart: float) -> None:
+    bin_Hz = RATE_HZ / COUNT
+    for seed in range(5):
+        block = torque((240.2, 0.1), (240.2 + apart * bin_Hz, 0.06), noise=2e-3, seed=seed)
+        for each, truth in zip(spectral_lines(block, "torque").measurements, (240.2, 0.1), strict=True):
+            assert each.uncertainty is not None
+            assert abs(each.value - truth) < 4.0 * each.uncertainty.standard
 
 
 def test_a_narrow_band_of_noise_is_no_line() -> None:
