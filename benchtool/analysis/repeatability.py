@@ -15,7 +15,7 @@ _MOST_VALUES = 4096
 _FEWEST_VALUES = 6
 _FITTED = 3  # unknowns of a quadratic
 _PARTS, _FEWEST_PARTS = 64, 16
-_LONGEST = 8  # such part of the record is the longest lag
+_LONGEST, _LAGS = 8, 3  # such part of the record is the longest lag; each half of the next
 _LET_GO = 0.4  # exponent of time with which the mean square of differences grows: held 0, random walk 1
 _DOF_OF_ONE = 3.0
 
@@ -26,8 +26,9 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     `phase_rad`, shape (n,), are phases at equal times. What a quadratic leaves of them is rms sigma: of a
     phase that a control holds on to a constant speed the difference of its ends scatters by sqrt(2) sigma,
     however long it is, and the mean square of differences does not grow with the time between them. Where it
-    does, over an eighth of the record, the control lets the phase go, because the speed itself wanders: then
-    it is the scatter of the mean of the speeds of 64 parts, with their correlation. A speed that keeps its
+    does, from a thirtieth of the record to an eighth, in the means of 64 parts, whose noise hides it less, the
+    control lets the phase go, because the speed itself wanders: then it is the scatter of the mean of the
+    speeds of these parts, with their correlation. A speed that keeps its
     value for so long that the record holds few of them scatters by itself, as one value. nan with fewer than
     six values.
     """
@@ -40,7 +41,8 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     left = phase_rad - Polynomial.fit(number, phase_rad, 2)(number)
     freedom = float(count - _FITTED)
     held = MeanError(math.sqrt(2.0 * float(left @ left) / freedom), freedom)
-    marks = left[:: max(1, (count - 1) // _PARTS)]
+    size = max(1, count // _PARTS)
+    marks = np.mean(left[: count // size * size].reshape(-1, size), axis=1)
     parts = len(marks) - 1
     if parts < _FEWEST_PARTS or not held.standard > 0.0 or _growth(marks) < _LET_GO:
         return held
@@ -72,7 +74,7 @@ def wander_of_line(samples: NDArray[np.float64], rate_Hz: float, frequency_Hz: f
 
 def _growth(marks: NDArray[np.float64]) -> float:
     """Return the exponent of the time with which the mean square of differences grows."""
-    lags = 2 ** np.arange(1 + int(math.log2(len(marks) // _LONGEST)))
+    lags = 2 ** np.arange(1 + int(math.log2(len(marks) // _LONGEST)))[-_LAGS:]
     squares = np.array([float(np.mean((marks[lag:] - marks[:-lag]) ** 2)) for lag in lags])
     if not np.all(squares > 0.0):
         return 0.0

@@ -16,6 +16,7 @@ from benchtool.analysis.spectra.groups import (
     PERIODS_PER_WINDOW,
     HarmonicGroups,
     group_distortion,
+    scatter_of_power,
 )
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
@@ -145,6 +146,9 @@ def group_distortions(
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
             of_steps = Contribution("steps of the converter that repeat", "B", added)
             budget = [scatter, of_steps] if added else [scatter]
+            if of_power := scatter_of_power(groups, squares):
+                name_of_power = f"power of the noise in the {kind}s beside the lines"
+                budget.append(Contribution(name_of_power, "A", of_power, 2.0 * groups.orders))
             if beside is not None:
                 phases = beside.of_groups if kind == "group" else beside.of_subgroups
                 budget.append(Contribution("phases of components between the harmonics", "B", phases))

@@ -108,6 +108,23 @@ def ratio_of(squares: NDArray[np.float64]) -> float:
     return math.sqrt(float(np.sum(mean[1:]) / mean[0])) if mean[0] > 0.0 else math.nan
 
 
+def scatter_of_power(groups: HarmonicGroups, squares: NDArray[np.float64]) -> float:
+    """Return the standard uncertainty of THDG or THDS of squares of rms, shape (1, orders), of one window, by
+    the power of the noise in their bins beside the lines.
+
+    The power of a bin of noise is distributed exponentially: it scatters by as much as it is, which the bins
+    between subgroups tell, of the orders to both sides. A mean of m of them has 1 + 1 / m times its square.
+    """
+    between, ratio = groups.periods_per_window - 3, ratio_of(squares)
+    if len(squares) > 1 or between < 1 or not ratio > 0.0:
+        return 0.0
+    each = groups.interharmonic2[0] / between
+    around = 0.5 * (each[1:] + each[:-1])
+    bins = groups.periods_per_window - 1 if squares is groups.group2 else 2
+    square2 = bins * float(np.sum(around**2)) / (1.0 + 0.5 / between)
+    return math.sqrt(square2) / (2.0 * ratio * float(squares[0, 0]))
+
+
 def group_distortion(
     squares: NDArray[np.float64],
     by_noise: MeanError | None = None,

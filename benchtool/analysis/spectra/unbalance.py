@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
+from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step, level_of
@@ -36,6 +37,7 @@ from benchtool.block import Block
 
 Phasors = NDArray[np.complex128]
 
+_BY_CHANCE = 0.1
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
 _SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
@@ -92,7 +94,7 @@ def current_unbalance(
         # in reverse rotation positive and negative sequence change places
         sequences = sequences[[1, 0, 2]]
     steps = _of_steps(parts, columns)
-    positive = _component(sequences[0], steps)
+    positive = _component(sequences[0], steps, beside=sequences[1])
     components = [positive, *(_alike(_component(each, steps), positive) for each in sequences[1:])]
     ratios = (
         [_component(each, steps, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
@@ -125,9 +127,12 @@ def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.flo
     return math.sqrt(square) / len(parts)
 
 
-def _component(phasors: Phasors, steps: float = 0.0, reference: Phasors | None = None) -> _Component:
+def _component(
+    phasors: Phasors, steps: float = 0.0, reference: Phasors | None = None, beside: Phasors | None = None
+) -> _Component:
     """Return the magnitude of the mean; as the numerator of a ratio to that of a `reference`, with the budget
-    of the ratio times the latter: what both do alike cancels in it."""
+    of the ratio times the latter: what both do alike cancels in it. A sequence `beside` it has as much of the
+    noise of the three currents, and nothing of a phase that wanders."""
     turned, magnitude = _turned(phasors)
     if reference is not None:
         base, size = _turned(reference)
@@ -140,7 +145,8 @@ def _component(phasors: Phasors, steps: float = 0.0, reference: Phasors | None =
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2 - steps**2))
     # noise is isotropic: both components together give a better estimate from few periods
-    both = MeanError(math.sqrt(0.5 * (along.standard**2 + across.standard**2)), along.dof + across.dof)
+    of_phase = across if beside is None else _without_wander(across, beside)
+    both = MeanError(math.sqrt(0.5 * (along.standard**2 + of_phase.standard**2)), along.dof + of_phase.dof)
     if along.standard < both.standard:
         along = both
     return _Component(
@@ -151,6 +157,18 @@ def _component(phasors: Phasors, steps: float = 0.0, reference: Phasors | None =
             *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
         ),
     )
+
+
+def _without_wander(across: MeanError, beside: Phasors) -> MeanError:
+    """Return the error across a phasor, or that of the sequence beside it where it is clearly less: then the
+    phase wanders, which moves no magnitude."""
+    turned, _ = _turned(beside)
+    one, other = error_of_periods(turned.real), error_of_periods(turned.imag)
+    noise = MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
+    if not noise.standard > 0.0:
+        return across
+    ratio = (across.standard / noise.standard) ** 2
+    return noise if fisher_above(across.dof, noise.dof, ratio) < _BY_CHANCE else across
 
 
 def _alike(component: _Component, positive: _Component) -> _Component:
