@@ -26,11 +26,10 @@ def wander_of_difference(phase_rad: NDArray[np.float64]) -> MeanError:
     `phase_rad`, shape (n,), are phases at equal times. What a quadratic leaves of them is rms sigma: of a
     phase that a control holds on to a constant speed the difference of its ends scatters by sqrt(2) sigma,
     however long it is, and the mean square of differences does not grow with the time between them. Where it
-    does, from a thirtieth of the record to an eighth, in the means of 64 parts, whose noise hides it less, the
-    control lets the phase go, because the speed itself wanders: then it is the scatter of the mean of the
-    speeds of these parts, with their correlation. A speed that keeps its
-    value for so long that the record holds few of them scatters by itself, as one value. nan with fewer than
-    six values.
+    does, from a thirtieth of the record to an eighth, the control lets the phase go, because the speed itself
+    wanders: then it is the scatter of the mean of the speeds of 64 parts, with their correlation. The phases
+    are means of these parts, which the noise of an encoder hides less. A speed that keeps its value for so
+    long that the record holds few of them scatters by itself, as one value. nan with fewer than six values.
     """
     step = max(1, len(phase_rad) // _MOST_VALUES)
     phase_rad = phase_rad[::step]

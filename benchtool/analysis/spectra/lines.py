@@ -17,7 +17,7 @@ from benchtool.analysis.repeatability import wander_of_line
 from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
-from benchtool.analysis.spectra.swinging_lines import with_swing
+from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -112,8 +112,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     why = rows[0].reason or rows[0].of_mean
     if why:
         amplitude = Measurement.undefined(amplitude.name, unit, amplitude.definition, why, basis)
-    elif rows[0].unsure:
-        amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=rows[0].unsure)
+    elif unsure := rows[0].unsure or next((each.unsure for each in rows if is_sideband(rows[0], each)), ""):
+        amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=unsure)
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
     return SpectralLines((frequency, amplitude), (_table(name, listed, unit, what, basis),))

@@ -58,3 +58,8 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
         unsure=f"sidebands to both sides, as of a line whose phase swings by {swing_rad:.2g} rad rms: the "
         f"amplitude is that of the line without them",
     )
+
+
+def is_sideband(line: Line, other: Line) -> bool:
+    """Return whether a line is so near to another, whose phase swings, that it may be a sideband of that."""
+    return bool(other.unsure) and abs(line.place - other.place) < _REACH

@@ -19,6 +19,7 @@ from benchtool.analysis import (
     track_angle,
 )
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.spectra.groups import scatter_of_power
 
 RATE_HZ = 10e3
 Array = NDArray[np.float64]
@@ -141,6 +142,22 @@ def test_the_uncertainty_is_the_scatter_over_the_windows() -> None:
         np.array(each) for each in zip(*((one.ratio, one.standard) for one in found), strict=True)
     )
     assert 0.7 < np.sqrt(np.mean(((values - np.mean(values)) / stated) ** 2)) < 1.2
+
+
+def test_the_noise_in_the_groups_of_one_window_scatters_by_its_power() -> None:
+    """Five periods, whose noise is far more than the only harmonic, and larger at low orders."""
+    from scipy.signal import lfilter
+
+    generator, ratios, stated = np.random.default_rng(8), [], []
+    wave = np.cos(2 * np.pi * np.arange(5 * 200) / 200)
+    for _ in range(60):
+        noise = 0.01 * lfilter([1.0], [1.0, -0.8], generator.standard_normal(1200))[200:]
+        groups = groups_of(wave + noise, 5)
+        ratios.append(group_distortion(groups.group2).ratio)
+        stated.append(scatter_of_power(groups, groups.group2))
+    assert 0.8 < np.std(ratios) / np.sqrt(np.mean(np.square(stated))) < 1.3
+    windows = groups_of(np.tile(wave, 4) + 0.01 * generator.standard_normal(4000), 20)
+    assert scatter_of_power(windows, windows.group2) == 0.0
 
 
 def test_fewer_than_four_periods_or_no_harmonic_give_no_groups() -> None:

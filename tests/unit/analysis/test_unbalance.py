@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from benchtool.analysis import current_unbalance, track_tone
+from benchtool.analysis import current_unbalance, track_angle, track_tone
 from benchtool.block import Block
 
 RATE_HZ, COUNT = 10_000.0, 6_000
@@ -116,3 +116,23 @@ def test_steps_of_converters_that_repeat_are_uncertain() -> None:
     for name in ("current_sequence_positive", "current_sequence_negative", "current_sequence_zero"):
         assert found[name] > 5.0 * fine[name]
         assert 1e-3 * step < found[name] < 0.1 * step
+
+
+def test_a_phase_that_wanders_from_period_to_period_moves_no_magnitude() -> None:
+    """Five periods of a drive, on the track of an angle that is even."""
+    random, per_period = np.random.default_rng(5), 400
+    theta = 2 * np.pi * np.arange(5 * per_period + 50) / per_period
+    errors = []
+    for _ in range(30):
+        within = np.repeat(0.003 * random.standard_normal(6), per_period)[: len(theta)]
+        columns = {
+            name: 2.0 * np.cos(theta + within - turn) + 2e-2 * random.standard_normal(len(theta))
+            for name, turn in (("i_a", 0.0), ("i_b", 2 * np.pi / 3), ("i_c", -2 * np.pi / 3))
+        }
+        block = Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+        found = current_unbalance(block, track_angle(theta, 1))[0]
+        assert found.uncertainty is not None
+        errors.append((found.value - 2.0, found.uncertainty.standard))
+    error, stated = np.transpose(errors)
+    assert np.median(stated) < 1e-3
+    assert 0.4 < float(np.sqrt(np.mean((error / stated) ** 2))) < 1.4
