@@ -149,19 +149,22 @@ def _component(
     both = MeanError(math.sqrt(0.5 * (along.standard**2 + of_phase.standard**2)), along.dof + of_phase.dof)
     if along.standard < both.standard:
         along = both
+    # of a phase that wanders by phi rms a mean is phi^2 / 2 shorter
+    lost = 0.5 * float(np.var(turned.imag)) / magnitude if of_phase is not across else 0.0
     return _Component(
         magnitude,
         (
             along.line("scatter over periods"),
             Contribution("what scatter adds to a magnitude", "B", bias, adds_power=True),
             *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
+            *((Contribution("what a phase that wanders takes off a magnitude", "B", lost),) if lost else ()),
         ),
     )
 
 
 def _without_wander(across: MeanError, beside: Phasors) -> MeanError:
     """Return the error across a phasor, or that of the sequence beside it where it is clearly less: then the
-    phase wanders, which moves no magnitude."""
+    phase wanders, which moves a magnitude in the second order alone."""
     turned, _ = _turned(beside)
     one, other = error_of_periods(turned.real), error_of_periods(turned.imag)
     noise = MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
