@@ -118,7 +118,7 @@ def current_spectrum(
     clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen.first(coherent.periods) if others is None else wander(cleaned)
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
-    wander_rad = max(alone.excess_rad, phase_noise_rad(cleaned))
+    wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
     turns = _turns(track, np.arange(len(samples), dtype=np.float64))
     level = level_of(samples, step)
     errors = line_errors(

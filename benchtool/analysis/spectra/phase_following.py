@@ -19,6 +19,7 @@ from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.angle_following import OFF_RAD, along_angle, within_periods
 from benchtool.analysis.spectra.continuation import FEWEST, continuation
+from benchtool.analysis.spectra.repetition import Repetition, repetition
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -60,6 +61,7 @@ class Wander:
     noise_rad: float
     jump_rad: float = 0.0
     of_angle: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    undecided_rad: float = 0.0
 
     def first(self, periods: int) -> Wander:
         """Return that of so many periods."""
@@ -74,6 +76,8 @@ def wander(coherent: CoherentSamples) -> Wander:
     if coherent.periods > 2:
         # a ramp of d per period under the signal, as of a decaying dc, reads j d / pi
         phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
+        # and an amplitude that grows so by d, whose image at the negative frequency is not out of the period
+        phasor -= 0.25j / np.pi * np.conj(np.gradient(phasor))
     amplitude = np.abs(phasor)
     steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
     phase_rad = np.angle(phasor[0]) + np.concatenate(([0.0], np.cumsum(steps)))
@@ -140,7 +144,13 @@ def follow(
         other_way = _followed(samples, sample_rate_Hz, smooth, name)
         if other_way.off_line < by_tone.off_line and other_way.is_clearly(other_than=by_tone):
             by_tone = other_way
-    seen = replace(by_tone.seen, jump_rad=jump_rad, of_angle=doubt)
+    seen = replace(
+        by_tone.seen,
+        excess_rad=by_tone.excess_rad,
+        jump_rad=jump_rad,
+        of_angle=doubt,
+        undecided_rad=by_tone.by_harmonics.undecided_rad,
+    )
     return by_tone.transformable, by_tone.track, seen
 
 
@@ -152,9 +162,22 @@ class _Followed:
     track: PhaseTrack
     seen: Wander
 
+    @cached_property
+    def by_harmonics(self) -> Repetition:
+        return repetition(self.coherent)
+
+    @property
+    def phase_rad(self) -> NDArray[np.float64]:
+        """The phase of the fundamental in each period, without what its harmonics do not repeat."""
+        return self.seen.phase_rad - self.by_harmonics.beside_rad
+
+    @property
+    def excess_rad(self) -> float:
+        return max(self.seen.excess_rad, self.by_harmonics.motion_rad)
+
     @property
     def off_rad(self) -> float:
-        return float(np.std(self.seen.phase_rad))
+        return float(np.std(self.phase_rad))
 
     @cached_property
     def transformable(self) -> CoherentSamples:
@@ -215,7 +238,7 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
     """Return signal along the phase of its own fundamental, as long as that brings it closer."""
     found = begin
     for least_rad in (OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
-        by_tone = _by_tone(found.coherent, found.track, found.seen, name, least_rad)
+        by_tone = _by_tone(found, name, least_rad)
         if by_tone is None:
             break
         coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name, every=True)
@@ -226,21 +249,20 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
     return found
 
 
-def _by_tone(
-    coherent: CoherentSamples, track: PhaseTrack, seen: Wander, name: str, least_rad: float
-) -> PhaseTrack | None:
+def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None:
     """Return track along the fundamental's own phase; None if it does not deviate, or is lost in noise."""
-    largest_step = float(np.max(np.abs(np.diff(seen.phase_rad)), initial=0.0))
-    if not least_rad < seen.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
+    track, periods = found.track, found.coherent.periods
+    largest_step = float(np.max(np.abs(np.diff(found.seen.phase_rad)), initial=0.0))
+    if not least_rad < found.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
     # a transient that decays soon after the beginning moves the phase only there
-    aside = coherent.periods // _ASIDE
-    phase_rad = _without_alternation(seen.phase_rad - np.mean(seen.phase_rad))
+    aside = periods // _ASIDE
+    phase_rad = _without_alternation(found.phase_rad - np.mean(found.phase_rad))
     inner = phase_rad[aside : len(phase_rad) - aside]
-    if coherent.periods < FEWEST or not float(np.std(inner)) > least_rad:
+    if periods < FEWEST or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
-    middle = begin + 2 * np.pi * (np.arange(coherent.periods, dtype=np.float64) + 0.5)
+    middle = begin + 2 * np.pi * (np.arange(periods, dtype=np.float64) + 0.5)
     numbers = track.sample_numbers(middle)
     from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
 

@@ -1,0 +1,149 @@
+"""What moves the phase of a fundamental and is repeated by its harmonics, and what is a line beside it.
+
+A phase that moves by x moves harmonic k by k x, whatever the amplitude does; an amplitude that moves, moves
+all of them alike, and no phase; a line beside the fundamental moves the phase of that alone. So the phase of
+each harmonic, less k times that of the fundamental, shows what the fundamental does by itself, and a drift of
+the speed is not in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+
+from benchtool.analysis.spectra.spectrum import CoherentSamples
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+FEWEST_PERIODS = 16
+"""Periods of which it is told what harmonics repeat."""
+
+_HIGHEST = 25
+_STANDS_OUT = 12.0  # times the mean square of noise: by chance one frequency in 160000
+_CLEARLY = 4.0  # standard deviations
+_MOST_LINES, _PADDED = 8, 8
+_LN_2 = math.log(2.0)  # median over mean of an exponential distribution
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """How the phase of the fundamental moves by the harmonics.
+
+    `motion_rad`, rms, is repeated by them beyond chance, and `undecided_rad` what may be besides.
+    `beside_rad`, shape (periods,), is what moves the fundamental in the middle of each period and is repeated
+    by none: a line beside it.
+    """
+
+    motion_rad: float
+    undecided_rad: float
+    beside_rad: Floats
+
+
+def repetition(coherent: CoherentSamples) -> Repetition:
+    """Return what the harmonics up to the 25th repeat of the phase of the fundamental."""
+    highest = min(_HIGHEST, int(coherent.usable_order), coherent.per_period // 2 - 1)
+    none = Repetition(0.0, 0.0, np.zeros(coherent.periods))
+    if coherent.periods < FEWEST_PERIODS or highest < 2:
+        return none
+    phasors = _phasors(coherent, highest)
+    first = phasors[:, 0]
+    size = float(np.mean(np.abs(first)))
+    lines = phasors[:, 1:] * np.exp(-1j * np.outer(np.angle(first), np.arange(2, highest + 1)))
+    mean = np.mean(lines, axis=0)
+    known = np.abs(mean) > 0.0
+    if not size > 0.0 or not np.any(known):
+        return none
+    order, relative = np.arange(2, highest + 1)[known], lines[:, known] / mean[known]
+    phase_rad = np.unwrap(np.angle(first))
+    of_first, moved = fft.rfft(np.abs(first) / size)[1:], fft.rfft(phase_rad)[1:]
+    beside, noise2 = _beside(fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:], of_first, order)
+    stands_out = np.abs(beside) ** 2 > _STANDS_OUT * noise2
+    repeated = moved - beside
+    power = np.where(stands_out, np.abs(repeated) ** 2 - noise2, np.real(moved * np.conj(repeated)))
+    variance = np.where(stands_out, noise2**2, 0.5 * np.abs(moved) ** 2 * noise2)
+    most = np.abs(np.where(stands_out, repeated, moved)) ** 2
+    to_rad2 = 2.0 / len(first) ** 2
+    motion2, deviation = to_rad2 * float(np.sum(power)), to_rad2 * math.sqrt(float(np.sum(variance)))
+    return Repetition(
+        math.sqrt(motion2) if motion2 > _CLEARLY * deviation else 0.0,
+        math.sqrt(min(max(0.0, motion2) + deviation, to_rad2 * float(np.sum(most)))),
+        _as_lines(beside, noise2, len(first)),
+    )
+
+
+def _phasors(coherent: CoherentSamples, highest: int) -> Complex:
+    """Return harmonics 1 to `highest` of each two neighbouring periods under a Hann window, which keeps other
+    lines off, shape (periods - 1, orders)."""
+    size = coherent.per_period
+    table = coherent.values.reshape(coherent.periods, size)
+    number = np.arange(2 * size)
+    window = np.sin(np.pi / (2.0 * size) * number) ** 2 * (2.0 / size)
+    turned = 2.0 * np.pi / size * np.outer(number, np.arange(1, highest + 1))
+    found = []
+    for part in (np.cos(turned), -np.sin(turned)):
+        weights = window[:, np.newaxis] * part
+        found.append((table @ weights[:size])[:-1] + (table @ weights[size:])[1:])
+    return np.asarray(found[0] + 1j * found[1])
+
+
+def _beside(
+    in_phase: Complex, quadrature: Complex, of_first: Complex, order: NDArray[np.int64]
+) -> tuple[Complex, Floats]:
+    """Return what moves the fundamental's phase alone, by frequency, and the mean square of its noise, both
+    of shape (frequencies,): the mean of the harmonics, each weighted by its noise.
+
+    That is the median over all frequencies, and no less than what the harmonic does in phase without the
+    fundamental doing so or doing none of it: a line beside it does both alike.
+    """
+    count = len(quadrature)
+    # Hann windows that overlap by half: neighbours are correlated by a sixth
+    shape = 1.0 + np.cos(np.pi * np.arange(1, count + 1) / count) / 3.0
+    by_itself = np.minimum(np.abs(in_phase) ** 2, np.abs(in_phase - of_first[:, np.newaxis]) ** 2)
+    usual = np.median(np.abs(quadrature) ** 2, axis=0) / _LN_2
+    noise2 = np.maximum(np.outer(shape, usual), by_itself)
+    weights = order**2 / np.maximum(noise2, 1e-300)
+    total = np.sum(weights, axis=1)
+    return -np.sum(weights * quadrature / order, axis=1) / total, 1.0 / total
+
+
+def _as_lines(beside: Complex, noise2: Floats, count: int) -> Floats:
+    """Return what stands out of the noise as a sum of sinusoids, in the middle of each period, shape
+    (count + 1,).
+
+    A sinusoid of no whole number of cycles is one frequency, and in a DFT many.
+    """
+    series = fft.irfft(np.concatenate([[0.0], beside]), count)
+    middle, place = np.arange(count + 1) - 0.5, np.arange(count)
+    found = np.zeros(count + 1)
+    cycles: list[float] = []
+    left = series
+    for _ in range(_MOST_LINES):
+        power = np.abs(fft.rfft(left))[1:] ** 2
+        if not np.any(power[: len(noise2)] > _STANDS_OUT * noise2):
+            break
+        fine = np.abs(fft.rfft(left, _PADDED * count))
+        fine[: _PADDED // 2] = 0.0
+        cycles.append(float(np.argmax(fine)) / _PADDED)
+        turned = 2.0 * np.pi / count * np.array(cycles)
+        basis = _sinusoids(place, turned)
+        constants = np.linalg.lstsq(basis, series, rcond=1e-6)[0]
+        left = series - basis @ constants
+        found = _sinusoids(middle, turned) @ (constants * np.tile(_of_one_period(turned), 2))
+    return np.asarray(found)
+
+
+def _sinusoids(place: Floats, turned: Floats) -> Floats:
+    angle = np.outer(place, turned)
+    return np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _of_one_period(turned: Floats) -> Floats:
+    """Return the response of one period to a sinusoid, over that of two under a Hann window."""
+    share = turned / np.pi  # of half a cycle in a period
+    apart = np.where(np.abs(share - 1.0) < 1e-6, 1.0 + 1e-6, share)
+    return np.asarray(np.sinc(0.5 * share) * (1.0 - apart**2) / np.sinc(apart))
