@@ -31,7 +31,7 @@ from benchtool.analysis.spectra.spectrum import (
 _LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
-_BEYOND = 2  # periods: to where an end of the record may be, and one to spare
+_BEYOND = 3  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
@@ -76,8 +76,6 @@ def wander(coherent: CoherentSamples) -> Wander:
     if coherent.periods > 2:
         # a ramp of d per period under the signal, as of a decaying dc, reads j d / pi
         phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
-        # and an amplitude that grows so by d, whose image at the negative frequency is not out of the period
-        phasor -= 0.25j / np.pi * np.conj(np.gradient(phasor))
     amplitude = np.abs(phasor)
     steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
     phase_rad = np.angle(phasor[0]) + np.concatenate(([0.0], np.cumsum(steps)))
@@ -149,7 +147,7 @@ def follow(
         excess_rad=by_tone.excess_rad,
         jump_rad=jump_rad,
         of_angle=doubt,
-        undecided_rad=by_tone.by_harmonics.undecided_rad,
+        undecided_rad=by_tone.undecided_rad,
     )
     return by_tone.transformable, by_tone.track, seen
 
@@ -163,17 +161,27 @@ class _Followed:
     seen: Wander
 
     @cached_property
-    def by_harmonics(self) -> Repetition:
+    def by_harmonics(self) -> Repetition | None:
         return repetition(self.coherent)
 
     @property
-    def phase_rad(self) -> NDArray[np.float64]:
-        """The phase of the fundamental in each period, without what its harmonics do not repeat."""
-        return self.seen.phase_rad - self.by_harmonics.beside_rad
+    def excess_rad(self) -> float:
+        return max(self.seen.excess_rad, 0.0 if self.by_harmonics is None else self.by_harmonics.motion_rad)
 
     @property
-    def excess_rad(self) -> float:
-        return max(self.seen.excess_rad, self.by_harmonics.motion_rad)
+    def undecided_rad(self) -> float:
+        return 0.0 if self.by_harmonics is None else self.by_harmonics.undecided_rad
+
+    @property
+    def turns(self) -> NDArray[np.float64]:
+        """Where the `phase_rad` are, in periods, both of shape (phases,)."""
+        periods = np.arange(self.coherent.periods, dtype=np.float64)
+        return periods + 0.5 if self.by_harmonics is None else periods[1:]
+
+    @property
+    def phase_rad(self) -> NDArray[np.float64]:
+        """How the phase moves, without a line beside the fundamental, where that can be told."""
+        return self.seen.phase_rad if self.by_harmonics is None else self.by_harmonics.phase_rad
 
     @property
     def off_rad(self) -> float:
@@ -251,19 +259,18 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
 
 def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None:
     """Return track along the fundamental's own phase; None if it does not deviate, or is lost in noise."""
-    track, periods = found.track, found.coherent.periods
+    track = found.track
     largest_step = float(np.max(np.abs(np.diff(found.seen.phase_rad)), initial=0.0))
     if not least_rad < found.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
     # a transient that decays soon after the beginning moves the phase only there
-    aside = periods // _ASIDE
     phase_rad = _without_alternation(found.phase_rad - np.mean(found.phase_rad))
+    aside = len(phase_rad) // _ASIDE
     inner = phase_rad[aside : len(phase_rad) - aside]
-    if periods < FEWEST or not float(np.std(inner)) > least_rad:
+    if len(phase_rad) < FEWEST or not float(np.std(inner)) > least_rad:
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
-    middle = begin + 2 * np.pi * (np.arange(periods, dtype=np.float64) + 0.5)
-    numbers = track.sample_numbers(middle)
+    numbers = track.sample_numbers(begin + 2 * np.pi * found.turns)
     from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
 
     # the polynomial takes a drift, which the spline smooths otherwise

@@ -34,22 +34,22 @@ _LN_2 = math.log(2.0)  # median over mean of an exponential distribution
 class Repetition:
     """How the phase of the fundamental moves by the harmonics.
 
-    `motion_rad`, rms, is repeated by them beyond chance, and `undecided_rad` what may be besides.
-    `beside_rad`, shape (periods,), is what moves the fundamental in the middle of each period and is repeated
-    by none: a line beside it.
+    `motion_rad`, rms, is repeated by them beyond chance, and `undecided_rad` what may be besides. `phase_rad`,
+    shape (periods - 1,), is that of the fundamental where one period ends and the next begins, without what
+    none of them repeats: a line beside it.
     """
 
     motion_rad: float
     undecided_rad: float
-    beside_rad: Floats
+    phase_rad: Floats
 
 
-def repetition(coherent: CoherentSamples) -> Repetition:
-    """Return what the harmonics up to the 25th repeat of the phase of the fundamental."""
+def repetition(coherent: CoherentSamples) -> Repetition | None:
+    """Return what the harmonics up to the 25th repeat of the phase of the fundamental; None where periods or
+    harmonics are too few."""
     highest = min(_HIGHEST, int(coherent.usable_order), coherent.per_period // 2 - 1)
-    none = Repetition(0.0, 0.0, np.zeros(coherent.periods))
     if coherent.periods < FEWEST_PERIODS or highest < 2:
-        return none
+        return None
     phasors = _phasors(coherent, highest)
     first = phasors[:, 0]
     size = float(np.mean(np.abs(first)))
@@ -57,11 +57,12 @@ def repetition(coherent: CoherentSamples) -> Repetition:
     mean = np.mean(lines, axis=0)
     known = np.abs(mean) > 0.0
     if not size > 0.0 or not np.any(known):
-        return none
+        return None
     order, relative = np.arange(2, highest + 1)[known], lines[:, known] / mean[known]
     phase_rad = np.unwrap(np.angle(first))
     of_first, moved = fft.rfft(np.abs(first) / size)[1:], fft.rfft(phase_rad)[1:]
-    beside, noise2 = _beside(fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:], of_first, order)
+    in_phase, quadrature = fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:]
+    beside, noise2 = _beside(in_phase, quadrature, of_first, order)
     stands_out = np.abs(beside) ** 2 > _STANDS_OUT * noise2
     repeated = moved - beside
     power = np.where(stands_out, np.abs(repeated) ** 2 - noise2, np.real(moved * np.conj(repeated)))
@@ -72,7 +73,7 @@ def repetition(coherent: CoherentSamples) -> Repetition:
     return Repetition(
         math.sqrt(motion2) if motion2 > _CLEARLY * deviation else 0.0,
         math.sqrt(min(max(0.0, motion2) + deviation, to_rad2 * float(np.sum(most)))),
-        _as_lines(beside, noise2, len(first)),
+        phase_rad - _as_lines(beside, noise2, len(first)),
     )
 
 
@@ -112,38 +113,20 @@ def _beside(
 
 
 def _as_lines(beside: Complex, noise2: Floats, count: int) -> Floats:
-    """Return what stands out of the noise as a sum of sinusoids, in the middle of each period, shape
-    (count + 1,).
+    """Return what stands out of the noise as a sum of sinusoids, shape (count,).
 
     A sinusoid of no whole number of cycles is one frequency, and in a DFT many.
     """
-    series = fft.irfft(np.concatenate([[0.0], beside]), count)
-    middle, place = np.arange(count + 1) - 0.5, np.arange(count)
-    found = np.zeros(count + 1)
-    cycles: list[float] = []
-    left = series
+    series, place = fft.irfft(np.concatenate([[0.0], beside]), count), np.arange(count)
+    found, turned = np.zeros(count), np.empty(0)
     for _ in range(_MOST_LINES):
-        power = np.abs(fft.rfft(left))[1:] ** 2
-        if not np.any(power[: len(noise2)] > _STANDS_OUT * noise2):
+        power = np.abs(fft.rfft(series - found)[1:]) ** 2
+        if not np.any(power > _STANDS_OUT * noise2):
             break
-        fine = np.abs(fft.rfft(left, _PADDED * count))
+        fine = np.abs(fft.rfft(series - found, _PADDED * count))
         fine[: _PADDED // 2] = 0.0
-        cycles.append(float(np.argmax(fine)) / _PADDED)
-        turned = 2.0 * np.pi / count * np.array(cycles)
-        basis = _sinusoids(place, turned)
-        constants = np.linalg.lstsq(basis, series, rcond=1e-6)[0]
-        left = series - basis @ constants
-        found = _sinusoids(middle, turned) @ (constants * np.tile(_of_one_period(turned), 2))
+        turned = np.append(turned, 2.0 * np.pi / (_PADDED * count) * int(np.argmax(fine)))
+        angle = np.outer(place, turned)
+        basis = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+        found = basis @ np.linalg.lstsq(basis, series, rcond=1e-6)[0]
     return np.asarray(found)
-
-
-def _sinusoids(place: Floats, turned: Floats) -> Floats:
-    angle = np.outer(place, turned)
-    return np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def _of_one_period(turned: Floats) -> Floats:
-    """Return the response of one period to a sinusoid, over that of two under a Hann window."""
-    share = turned / np.pi  # of half a cycle in a period
-    apart = np.where(np.abs(share - 1.0) < 1e-6, 1.0 + 1e-6, share)
-    return np.asarray(np.sinc(0.5 * share) * (1.0 - apart**2) / np.sinc(apart))
