@@ -28,7 +28,7 @@ from benchtool.analysis.spectra.spectrum import (
     transformable_periods,
 )
 
-_LEFT_RAD = 5e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
+_LEFT_RAD = 3e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _BEYOND = 3  # periods: to where an end of the record may be, and one to spare

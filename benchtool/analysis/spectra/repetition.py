@@ -54,13 +54,15 @@ def repetition(coherent: CoherentSamples) -> Repetition | None:
     first = phasors[:, 0]
     size = float(np.mean(np.abs(first)))
     lines = phasors[:, 1:] * np.exp(-1j * np.outer(np.angle(first), np.arange(2, highest + 1)))
-    mean = np.mean(lines, axis=0)
-    known = np.abs(mean) > 0.0
-    if not size > 0.0 or not np.any(known):
-        return None
-    order, relative = np.arange(2, highest + 1)[known], lines[:, known] / mean[known]
+    mean, scatter2 = np.mean(lines, axis=0), np.var(lines, axis=0)
+    known = np.abs(mean) ** 2 > scatter2  # others may be what the fundamental leaks there
     phase_rad = np.unwrap(np.angle(first))
-    of_first, moved = fft.rfft(np.abs(first) / size)[1:], fft.rfft(phase_rad)[1:]
+    moved = fft.rfft(phase_rad)[1:]
+    to_rad2 = 2.0 / len(first) ** 2
+    if not size > 0.0 or not np.any(known):
+        return Repetition(0.0, math.sqrt(to_rad2 * float(np.sum(np.abs(moved) ** 2))), phase_rad)
+    order, relative = np.arange(2, highest + 1)[known], lines[:, known] / mean[known]
+    of_first = fft.rfft(np.abs(first) / size)[1:]
     in_phase, quadrature = fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:]
     beside, noise2 = _beside(in_phase, quadrature, of_first, order)
     stands_out = np.abs(beside) ** 2 > _STANDS_OUT * noise2
@@ -68,7 +70,6 @@ def repetition(coherent: CoherentSamples) -> Repetition | None:
     power = np.where(stands_out, np.abs(repeated) ** 2 - noise2, np.real(moved * np.conj(repeated)))
     variance = np.where(stands_out, noise2**2, 0.5 * np.abs(moved) ** 2 * noise2)
     most = np.abs(np.where(stands_out, repeated, moved)) ** 2
-    to_rad2 = 2.0 / len(first) ** 2
     motion2, deviation = to_rad2 * float(np.sum(power)), to_rad2 * math.sqrt(float(np.sum(variance)))
     return Repetition(
         math.sqrt(motion2) if motion2 > _CLEARLY * deviation else 0.0,
