@@ -39,7 +39,7 @@ from benchtool.analysis.spectra.interharmonics import (
     scatter_of_phases,
     without,
 )
-from benchtool.analysis.spectra.modulation import phase_noise_rad
+from benchtool.analysis.spectra.modulation import apart_in_time, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
@@ -124,6 +124,8 @@ def current_spectrum(
     errors = line_errors(
         clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns, level, seen.of_angle
     )
+    in_time = apart_in_time(seen.amplitude[: coherent.periods], turns)
+    errors = replace(errors, wander=np.maximum(errors.wander, in_time * harmonics(clean)[:highest]))
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None and track.departure is None:  # they are as steady as it is

@@ -119,3 +119,14 @@ def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None 
     if len(amplitude) <= _CORRELATED * (error_of_series(amplitude).dof + 1.0):
         return 0.0
     return math.sqrt(max(0.0, error_of_periods(amplitude, least=0).standard ** 2 - by_pairs**2))
+
+
+def apart_in_time(amplitude: Floats, turns: Floats) -> float:
+    """Return how far, relative to it, the mean over periods of amplitudes, shape (periods,), is from that
+    over time; `turns`, shape (rows,), are where rows are, in periods from the first on.
+
+    Where speed and amplitude swing together, the periods with the greater amplitude may be the longer ones.
+    """
+    ends = np.interp(np.arange(len(amplitude) + 1), turns, np.arange(len(turns)))
+    mean = float(np.mean(amplitude))
+    return abs(float(np.average(amplitude, weights=np.diff(ends))) / mean - 1.0) if mean > 0.0 else 0.0

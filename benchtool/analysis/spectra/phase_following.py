@@ -48,7 +48,8 @@ class Wander:
     """How the fundamental moves about a track: `phase_rad`, without jumps, and `amplitude`, shape (periods,).
 
     `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
-    and phase alike; 0 where it may be noise. `noise_rad` is what noise does to one period's phase. `jump_rad`
+    and phase alike, or that the harmonics repeat; 0 where it may be noise. `undecided_rad` is as much as they
+    may repeat besides. `noise_rad` is what noise does to one period's phase. `jump_rad`
     is the largest change of phase from period to period where it stands out of all others, else 0: no
     smooth track explains it. `of_angle`, shape (harmonics,), is the standard uncertainty of each amplitude by
     what a measured angle does in every period alike, which may be the rotor's or an error of its sensor;
@@ -110,10 +111,10 @@ def follow(
     """Return signal at equal steps of phase, and the track: the one given, while the fundamental stays on it.
 
     Where it does not, by more than 2 mrad rms and more than noise explains, the track follows the measured
-    angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, by a
-    smoothing spline through its phase in each period (the smoothness by generalized cross-validation: Wahba,
-    Spline Models for Observational Data, ch. 4). So a speed that swings or drifts, and an angle that slips
-    against the signal, leave the harmonics whole.
+    angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, without
+    what its harmonics do not repeat, by a smoothing spline through one phase in each period (the smoothness
+    by generalized cross-validation: Wahba, Spline Models for Observational Data, ch. 4). So a speed that
+    swings or drifts, and an angle that slips against the signal, leave the harmonics whole.
 
     Raises:
         AnalysisError: as `coherent_samples`.

@@ -34,9 +34,9 @@ _LN_2 = math.log(2.0)  # median over mean of an exponential distribution
 class Repetition:
     """How the phase of the fundamental moves by the harmonics.
 
-    `motion_rad`, rms, is repeated by them beyond chance, and `undecided_rad` what may be besides. `phase_rad`,
-    shape (periods - 1,), is that of the fundamental where one period ends and the next begins, without what
-    none of them repeats: a line beside it.
+    `motion_rad`, rms, is repeated by them beyond chance, and `undecided_rad` what may be besides.
+    `phase_rad`, shape (periods - 1,), is that of the fundamental where one period ends and the next begins,
+    without what none of them repeats: a line beside it.
     """
 
     motion_rad: float
@@ -65,8 +65,8 @@ def repetition(coherent: CoherentSamples) -> Repetition | None:
     of_first = fft.rfft(np.abs(first) / size)[1:]
     in_phase, quadrature = fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:]
     beside, noise2 = _beside(in_phase, quadrature, of_first, order)
-    stands_out = np.abs(beside) ** 2 > _STANDS_OUT * noise2
-    repeated = moved - beside
+    repeated, stands_out = moved - beside, np.abs(beside) ** 2 > _STANDS_OUT * noise2
+    # what both have in common has no bias by noise, which is another in each
     power = np.where(stands_out, np.abs(repeated) ** 2 - noise2, np.real(moved * np.conj(repeated)))
     variance = np.where(stands_out, noise2**2, 0.5 * np.abs(moved) ** 2 * noise2)
     most = np.abs(np.where(stands_out, repeated, moved)) ** 2
