@@ -25,7 +25,8 @@ FEWEST_PERIODS = 16
 
 _HIGHEST = 25
 _STANDS_OUT = 12.0  # times the mean square of noise: by chance one frequency in 160000
-_CLEARLY = 4.0  # standard deviations
+_MOST = 2.0  # times what the fundamental does, of a line that motion does not cancel by chance
+_CLEARLY, _NO_EVENT = 4.0, 2.0  # standard deviations; of a sum that one period makes it is one
 _MOST_LINES, _PADDED = 8, 8
 _LN_2 = math.log(2.0)  # median over mean of an exponential distribution
 
@@ -65,16 +66,21 @@ def repetition(coherent: CoherentSamples) -> Repetition | None:
     of_first = fft.rfft(np.abs(first) / size)[1:]
     in_phase, quadrature = fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:]
     beside, noise2 = _beside(in_phase, quadrature, of_first, order)
-    repeated, stands_out = moved - beside, np.abs(beside) ** 2 > _STANDS_OUT * noise2
+    # what harmonics do and the fundamental does not is no line beside that
+    least2 = np.where(np.abs(beside) < _MOST * np.abs(moved), _STANDS_OUT * noise2, np.inf)
+    stands_out = np.abs(beside) ** 2 > least2
+    repeated, followed_rad = moved - beside, phase_rad - _as_lines(beside, least2, len(first))
     # what both have in common has no bias by noise, which is another in each
     power = np.where(stands_out, np.abs(repeated) ** 2 - noise2, np.real(moved * np.conj(repeated)))
     variance = np.where(stands_out, noise2**2, 0.5 * np.abs(moved) ** 2 * noise2)
     most = np.abs(np.where(stands_out, repeated, moved)) ** 2
     motion2, deviation = to_rad2 * float(np.sum(power)), to_rad2 * math.sqrt(float(np.sum(variance)))
+    products = (followed_rad - np.mean(followed_rad)) * fft.irfft(np.append(0.0, repeated), len(first))
+    is_event = float(np.sum(products)) < _NO_EVENT * math.sqrt(float(products @ products))
     return Repetition(
-        math.sqrt(motion2) if motion2 > _CLEARLY * deviation else 0.0,
+        math.sqrt(motion2) if motion2 > _CLEARLY * deviation and not is_event else 0.0,
         math.sqrt(min(max(0.0, motion2) + deviation, to_rad2 * float(np.sum(most)))),
-        phase_rad - _as_lines(beside, noise2, len(first)),
+        followed_rad,
     )
 
 
@@ -113,20 +119,21 @@ def _beside(
     return -np.sum(weights * quadrature / order, axis=1) / total, 1.0 / total
 
 
-def _as_lines(beside: Complex, noise2: Floats, count: int) -> Floats:
-    """Return what stands out of the noise as a sum of sinusoids, shape (count,).
+def _as_lines(beside: Complex, least2: Floats, count: int) -> Floats:
+    """Return what is more than the `least2` square at its frequency as a sum of sinusoids, shape (count,).
 
     A sinusoid of no whole number of cycles is one frequency, and in a DFT many.
     """
-    series, place = fft.irfft(np.concatenate([[0.0], beside]), count), np.arange(count)
+    series, place = fft.irfft(np.append(0.0, beside), count), np.arange(count)
     found, turned = np.zeros(count), np.empty(0)
     for _ in range(_MOST_LINES):
         power = np.abs(fft.rfft(series - found)[1:]) ** 2
-        if not np.any(power > _STANDS_OUT * noise2):
+        largest = int(np.argmax(np.where(power > least2, power, 0.0)))
+        if not power[largest] > least2[largest]:
             break
-        fine = np.abs(fft.rfft(series - found, _PADDED * count))
-        fine[: _PADDED // 2] = 0.0
-        turned = np.append(turned, 2.0 * np.pi / (_PADDED * count) * int(np.argmax(fine)))
+        first = _PADDED * largest + 1  # from the frequency below to that above
+        fine = np.abs(fft.rfft(series - found, _PADDED * count))[first : first + 2 * _PADDED]
+        turned = np.append(turned, 2.0 * np.pi / (_PADDED * count) * (first + int(np.argmax(fine))))
         angle = np.outer(place, turned)
         basis = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
         found = basis @ np.linalg.lstsq(basis, series, rcond=1e-6)[0]
