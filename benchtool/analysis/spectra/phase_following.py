@@ -29,6 +29,7 @@ from benchtool.analysis.spectra.spectrum import (
 )
 
 _LEFT_RAD = 3e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
+_FAR_OFF_RAD = 0.05
 _BY_CHANCE = 1e-4
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _BEYOND = 3  # periods: to where an end of the record may be, and one to spare
@@ -245,24 +246,26 @@ class _Followed:
 
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:
     """Return signal along the phase of its own fundamental, as long as that brings it closer."""
-    found = begin
+    found, before_rad = begin, 0.0
     for least_rad in (OFF_RAD, *(_ROUNDS - 1) * (_LEFT_RAD,)):
-        by_tone = _by_tone(found, name, least_rad)
+        # so far off, what harmonics repeat was told only about: the next time is due
+        excess_rad = max(found.excess_rad, found.off_rad if before_rad > _FAR_OFF_RAD else 0.0)
+        by_tone = _by_tone(found, name, least_rad) if least_rad < excess_rad < math.inf else None
         if by_tone is None:
             break
         coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name, every=True)
         other = _Followed(coherent, by_tone, wander(coherent))
         if not other.off_rad < found.off_rad or other.blurs(found):
             break
-        found = other
+        found, before_rad = other, found.off_rad
     return found
 
 
 def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None:
-    """Return track along the fundamental's own phase; None if it does not deviate, or is lost in noise."""
+    """Return track along the fundamental's own phase; None if it does not deviate, or by too much."""
     track = found.track
     largest_step = float(np.max(np.abs(np.diff(found.seen.phase_rad)), initial=0.0))
-    if not least_rad < found.excess_rad < math.inf or largest_step > 2 * np.pi * _LONGEST_TURN:
+    if largest_step > 2 * np.pi * _LONGEST_TURN:
         return None
     # a transient that decays soon after the beginning moves the phase only there
     phase_rad = _without_alternation(found.phase_rad - np.mean(found.phase_rad))
