@@ -20,6 +20,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.few_steps import FewSteps, few_steps
+
 _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
@@ -29,6 +31,8 @@ _POINTS_PER_STEP = 16  # that a waveform spans: the first two terms, of most of 
 _AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
 _TERMS = 20  # with which a share is computed
+_FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
+_LEAST_SLOPE, _UNSURE = 0.2, 0.05  # of what is read of a weak line; share of the draws
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -43,6 +47,11 @@ class RepeatedSteps:
 
     waveform: Floats
     errors: Floats
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether `of_rms` is that of waveform and noise together."""
+        return False
 
     def of_mean(self, weights: Floats | float = 1.0) -> float:
         """Return the rms of the mean of the error times weights, shape (points,)."""
@@ -72,11 +81,44 @@ class RepeatedSteps:
         return np.asarray(fft.fft(self.errors, axis=1)[:, orders % points] * (2.0 / points))
 
 
+@dataclass(frozen=True)
+class _OfFewSteps(RepeatedSteps):
+    """Errors of a waveform of few steps: those of all `signals` that would be read alike."""
+
+    signals: FewSteps
+
+    @property
+    def has_noise(self) -> bool:
+        return True
+
+    @property
+    def of_rms(self) -> float:
+        found = self.signals
+        read = np.sqrt(np.var(found.read, axis=1) + found.noise_read**2)
+        return _rms(read - np.sqrt(np.var(found.signals, axis=1) + found.noise**2))
+
+    def of_lines(self, phasors: Complex) -> tuple[Floats, Floats]:
+        """As of `RepeatedSteps`; the first is nan for a line of which next to nothing may be read."""
+        orders = np.arange(1, len(phasors) + 1)
+        errors, slope = self._lines(orders), self.signals.slope[:, np.newaxis]
+        more = (phasors - errors) * (1.0 - 1.0 / np.maximum(slope, _LEAST_SLOPE))
+        is_weak = ~np.isin(orders, self.signals.orders)
+        along = np.abs(phasors) - np.abs(phasors - errors - is_weak * more)
+        found = np.sqrt(np.mean(along**2, axis=0))
+        if np.mean(slope < _LEAST_SLOPE) > _UNSURE:
+            found[is_weak] = math.nan
+        return found, np.asarray(np.mean(np.abs(errors) ** 2, axis=0))
+
+
+def _rms(values: Floats) -> float:
+    return math.sqrt(float(np.mean(values**2)))
+
+
 def repeated_steps(
     mean: float,
     phasors: Complex,
     step: float,
-    noise_rms: float,
+    beside: float,
     samples: float,
     periods: int,
     turns: Floats | None = None,
@@ -85,12 +127,13 @@ def repeated_steps(
     """Return the errors of a quantised signal that are the same in every period; None where noise hides them.
 
     Of the measured harmonics 1, 2 ..., peak `phasors` of shape (n,), the waveform takes the strongest, until
-    those left out are no more together than the quantisation's own rms: weaker ones may be made by it.
+    those left out are no more together than the quantisation's own rms: weaker ones may be made by it. Where
+    that is few steps of known levels, errors are those of signals that would be read alike (`few_steps`).
 
     Args:
         mean, phasors: of the signal as measured.
         step: of the converter.
-        noise_rms: of all that differs from period to period.
+        beside: mean square of all that differs from period to period, the steps' own part among it.
         samples: in all periods; where a whole number of them is in one or a few periods, they fall on the
             same few places of the waveform again and again.
         periods: of the record.
@@ -98,13 +141,17 @@ def repeated_steps(
             those of a speed that swings are at some places more often than at others.
         level: a value that the converter gives, where it is known; without it levels may be anywhere.
     """
-    table = _error_of_a_step(noise_rms / step)
+    table = _error_of_a_step(noise_beside(beside, step) / step)
     if table is None:
         return None
     kept = _without_the_weakest(phasors, step)
     spanned = 2.0 * float(np.sum(np.abs(kept))) / step
     needed = max(_FEWEST_POINTS, 4 * len(phasors), math.ceil(_POINTS_PER_STEP * spanned))
     points = _distinct(samples, periods, needed)
+    if level is not None and spanned < _FEW:
+        found = few_steps(mean, phasors, step, level, beside, samples, points)
+        read = np.mean(found.read, axis=0)
+        return _OfFewSteps(read, found.read - found.signals, found)
     if turns is not None and points < needed and _stay(turns, points):
         turns = None
     if turns is not None:

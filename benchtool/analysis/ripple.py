@@ -230,17 +230,17 @@ def _numbers(
         uncertain = _of_two_readings(uncertain, bound)
         return Measurement(full, value, unit, text, basis, uncertain, uncertainty_reason=why)
 
-    # ripple that spans several steps turns quantization into noise, which the scatter holds already
-    of_mean = step / math.sqrt(12.0) if whole.rms < step else 0.0
-    of_rms = math.sqrt(2.0) * of_mean
+    # what noise turns into noise, the scatter holds already
+    of_mean = of_rms = 0.0
     if scatter is not None and scatter.steps is not None:
-        of_mean, of_rms = max(of_mean, scatter.steps.of_mean()), max(of_rms, scatter.steps.of_rms)
+        of_mean, of_rms = scatter.steps.of_mean(), scatter.steps.of_rms
     # noise too slow for the record moves its mean in place of its rms
     taken = 0.0
     if scatter is not None and whole.rms > 0.0 and math.isfinite(scatter.mean.standard):
         taken = scatter.mean.standard**2 / (2.0 * whole.rms)
     # steps add a twelfth of their square to the mean square
-    of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
+    if scatter is None or scatter.steps is None or not scatter.steps.has_noise:
+        of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = measured(
         "mean",
         f"mean of {what}{without}",

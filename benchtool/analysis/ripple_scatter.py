@@ -12,7 +12,8 @@ from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
+from benchtool.analysis.quantisation import level_of
+from benchtool.analysis.repeated_steps import RepeatedSteps, repeated_steps
 from benchtool.analysis.scatter import (
     MeanError,
     at_lowest_frequencies,
@@ -373,7 +374,7 @@ def _repeated_steps(samples: Floats, begins: NDArray[np.int64], step: float) -> 
     periods = len(begins) - 1
     points = round((begins[-1] - begins[0]) / periods)
     at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
-    table = np.interp(at.ravel(), np.arange(len(samples)), samples).reshape(at.shape)
+    table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
     phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / points)
     if points % 2 == 0:
         phasors[-1] *= 0.5
@@ -385,4 +386,5 @@ def _repeated_steps(samples: Floats, begins: NDArray[np.int64], step: float) -> 
     # nor are periods that the track does not follow closely, which leave neighbouring samples alike
     noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
     mean, covered = float(np.mean(table)), float(begins[-1] - begins[0])
-    return repeated_steps(mean, phasors, step, noise_beside(noise2, step), covered, periods)
+    level = level_of(samples, step)
+    return repeated_steps(mean, phasors, step, noise2, covered, periods, level=level)

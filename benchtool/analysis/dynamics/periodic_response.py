@@ -22,7 +22,7 @@ from benchtool.analysis.dynamics.estimated_response import (
     noise_power,
 )
 from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.repeated_steps import repeated_steps
 from benchtool.errors import AnalysisError
 
 REPEATED = 0.8
@@ -146,8 +146,8 @@ def _of_steps(samples: NDArray[np.float64], table: NDArray[np.float64]) -> NDArr
     if not step > 0.0 or len(np.unique(samples)) < _FEWEST_LEVELS:
         return np.zeros(bins)
     phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / period)
-    noise = noise_beside(float(np.mean(np.var(table, axis=0, ddof=1))), step)
-    found = repeated_steps(float(np.mean(samples)), phasors, step, noise, float(len(samples)), periods)
+    beside = float(np.mean(np.var(table, axis=0, ddof=1)))
+    found = repeated_steps(float(np.mean(samples)), phasors, step, beside, float(len(samples)), periods)
     if found is None:
         return np.zeros(bins)
     return np.asarray((0.5 * period) ** 2 * found.power_at(np.arange(1, bins + 1)))

@@ -20,8 +20,8 @@ from benchtool.analysis.orders.angle import (
 )
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps
+from benchtool.analysis.quantisation import counting_step, level_of
+from benchtool.analysis.repeated_steps import repeated_steps
 from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.validity import require_unbroken
@@ -176,7 +176,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     orders = np.arange(1, count + 1)
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
-    by_steps = repeated_quantisation(spectrum, counting_step(samples))[0][:count]
+    step = counting_step(samples)
+    by_steps = repeated_quantisation(spectrum, step, level=level_of(samples, step))[0][:count]
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [
@@ -245,7 +246,7 @@ def fitted_orders(
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
-    by_steps = _repeated_steps(fit, counting_step(values), coverage) / low
+    by_steps = _repeated_steps(fit, values, coverage) / low
     others = np.hypot(by_steps, _lost(amplitude, order, wobble_rad))
     return OrderSpectrum(
         signal=signal,
@@ -267,13 +268,16 @@ def fitted_orders(
     )
 
 
-def _repeated_steps(fit: AngleFit, step: float, coverage: AngleCoverage) -> NDArray[np.float64]:
+def _repeated_steps(
+    fit: AngleFit, values: NDArray[np.float64], coverage: AngleCoverage
+) -> NDArray[np.float64]:
     """Return what the steps of a quantised signal, alike in every revolution, do to each amplitude."""
+    step = counting_step(values)
     if step <= 0.0:
         return np.zeros(len(fit.coefficient))
-    lines, noise = 2.0 * fit.coefficient, noise_beside(fit.left_rms**2, step)
+    lines, level = 2.0 * fit.coefficient, level_of(values, step)
     samples, turns = float(len(coverage.angle_rad)), max(1, round(coverage.revolutions))
-    found = repeated_steps(fit.mean, lines, step, noise, samples, turns)
+    found = repeated_steps(fit.mean, lines, step, fit.left_rms**2, samples, turns, level=level)
     return np.zeros(len(lines)) if found is None else found.of_lines(lines)[0]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
-from benchtool.analysis.repeated_steps import RepeatedSteps, noise_beside, repeated_steps
+from benchtool.analysis.repeated_steps import RepeatedSteps, repeated_steps
 from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
@@ -307,9 +307,8 @@ def _steps(
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
     in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    noise = noise_beside(between / in_band, step)
     mean = float(spectrum.phasor[0].real)
-    return repeated_steps(mean, lines, step, noise, spectrum.samples, periods, turns, level)
+    return repeated_steps(mean, lines, step, between / in_band, spectrum.samples, periods, turns, level)
 
 
 def _lost(
