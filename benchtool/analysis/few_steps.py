@@ -27,6 +27,7 @@ _OF_VARIANCE, _LEAST_VARIANCE = 0.2, 2e-3  # of its logarithm; of a step's squar
 _LEAST_NOISE, _MOST_NOISE = 5e-3, 0.8  # steps
 _STANDS_OUT = 5.0  # standard deviations: a line that those before do not make
 _LEAST_LINE = 0.05  # steps: below it a line is as likely at any size
+_AHEAD = 0.02  # steps, for a slope
 _MOVES, _SMALLER = 5, (1.0, 1.0, 0.3, 0.1)
 _MOST_STAGES = 60
 
@@ -134,11 +135,11 @@ def _drawn(record: _Record, orders: NDArray[np.int64]) -> _Draws:
     seen = record.lines[common - 1 :: common][: (points - 1) // 2]
 
     def signals(z: Floats) -> Floats:
-        lines = z[:, 2 : 2 + len(orders)] + 1j * z[:, 2 + len(orders) :]
+        lines = z[:, 3 : 3 + len(orders)] + 1j * z[:, 3 + len(orders) :]
         return np.asarray(z[:, :1] + np.real(lines @ place))
 
     def log_likelihood(z: Floats) -> Floats:
-        read, variance = _read(signals(z), np.exp(z[:, 1]))
+        read, variance = _read(signals(z), np.exp(z[:, 1]), np.clip(z[:, 2], -1.0, 1.0))
         bins = fft.rfft(read, axis=1) * (2.0 / points)
         off = np.sum(np.abs(bins[:, 1 : len(seen) + 1] - seen) ** 2, axis=1)
         off += 2.0 * (0.5 * bins[:, 0].real - record.mean) ** 2
@@ -146,44 +147,64 @@ def _drawn(record: _Record, orders: NDArray[np.int64]) -> _Draws:
         return np.asarray(-0.5 * off / record.of_line**2 - 0.5 * (ratio / _OF_VARIANCE) ** 2)
 
     def log_prior(z: Floats) -> Floats:
-        """Of lines of any size alike, and of noise likewise in its logarithm."""
-        lines = np.hypot(z[:, 2 : 2 + len(orders)], z[:, 2 + len(orders) :])
+        """Of lines and noise of any size, in the logarithm, alike, and of any shape."""
+        lines = np.hypot(z[:, 3 : 3 + len(orders)], z[:, 3 + len(orders) :])
         within = (z[:, 1] > math.log(_LEAST_NOISE)) & (z[:, 1] < math.log(_MOST_NOISE))
-        within &= np.abs(z[:, 0] - record.mean) < 1.0
+        within &= (np.abs(z[:, 0] - record.mean) < 1.0) & (np.abs(z[:, 2]) < 1.0)
         return np.where(within, -np.sum(np.log(lines + _LEAST_LINE), axis=1), -np.inf)
 
     random = np.random.default_rng(0)
-    start = random.uniform(-1.0, 1.0, (_DRAWS, 2 + 2 * len(orders)))
+    start = random.uniform(-1.0, 1.0, (_DRAWS, 3 + 2 * len(orders)))
     start[:, 0] = record.mean + 0.5 * start[:, 0]
     start[:, 1] = np.log(np.geomspace(1.01 * _LEAST_NOISE, 0.99 * _MOST_NOISE, _DRAWS))
     own = record.lines[orders - 1]
-    start[:, 2:] = 0.5 * start[:, 2:] + np.concatenate([own.real, own.imag])
+    start[:, 3:] = 0.5 * start[:, 3:] + np.concatenate([own.real, own.imag])
     found = _sampled(start, log_prior, log_likelihood, random)
-    noise = np.exp(found[:, 1])
-    read, variance = _read(signals(found), noise)
-    return _Draws(signals(found), read, noise, variance, _slope(signals(found), noise), common)
+    drawn, noise, shape = signals(found), np.exp(found[:, 1]), found[:, 2]
+    read, variance = _read(drawn, noise, shape)
+    return _Draws(drawn, read, noise, variance, _slope(drawn, noise, shape), common)
 
 
-def _read(signals: Floats, noise: Floats) -> tuple[Floats, Floats]:
-    """Return what is read, in steps, on average of signals of shape (draws, points), with normal noise of
-    shape (draws,), and the mean over the points of its variance, shape (draws,)."""
-    from scipy.special import ndtr
-
+def _read(signals: Floats, noise: Floats, shape: Floats) -> tuple[Floats, Floats]:
+    """Return what is read, in steps, on average of signals of shape (draws, points), with noise of an rms and
+    a shape, both (draws,), and the mean over the points of its variance, shape (draws,)."""
     nearest = np.round(signals)
     apart, inverse = signals - nearest, 1.0 / noise[:, np.newaxis]
     mean, square = np.zeros_like(apart), np.zeros_like(apart)
     for edge in range(_EDGES):
-        above = ndtr((apart - (edge + 0.5)) * inverse)
-        below = ndtr((-apart - (edge + 0.5)) * inverse)
+        above = _below((apart - (edge + 0.5)) * inverse, shape)
+        below = _below((-apart - (edge + 0.5)) * inverse, shape)
         mean += above - below
         square += (2.0 * edge + 1.0) * (above + below)
     return nearest + mean, np.mean(square - mean**2, axis=1)
 
 
-def _slope(signals: Floats, noise: Floats) -> Floats:
+def _below(value: Floats, shape: Floats) -> Floats:
+    """Return the probability that noise of rms 1 is less than values of shape (draws, points): between that
+    of the normal distribution (shape 0), of the rectangular one (1), and of Laplace's (-1)."""
+    from scipy.special import ndtr
+
+    found = ndtr(value)
+    for one, of in ((shape > 0.0, _rectangular), (shape < 0.0, _of_laplace)):
+        share = np.abs(shape[one])[:, np.newaxis]
+        found[one] += share * (of(value[one]) - found[one])
+    return np.asarray(found)
+
+
+def _rectangular(value: Floats) -> Floats:
+    return np.clip(0.5 + value / math.sqrt(12.0), 0.0, 1.0)
+
+
+def _of_laplace(value: Floats) -> Floats:
+    tail = 0.5 * np.exp(-math.sqrt(2.0) * np.abs(value))
+    return np.where(value < 0.0, tail, 1.0 - tail)
+
+
+def _slope(signals: Floats, noise: Floats, shape: Floats) -> Floats:
     """Return the mean density of readings at the edges between steps: what is read of a weak line."""
-    more, less = (_read(signals + apart, np.maximum(noise, 0.05))[0] for apart in (0.02, -0.02))
-    return np.asarray(np.mean(more - less, axis=1) / 0.04)
+    noise = np.maximum(noise, _LEAST_LINE)
+    more, less = (_read(signals + apart, noise, shape)[0] for apart in (_AHEAD, -_AHEAD))
+    return np.asarray(np.mean(more - less, axis=1) / (2.0 * _AHEAD))
 
 
 def _sampled(start: Floats, log_prior, log_likelihood, random: np.random.Generator) -> Floats:
