@@ -151,7 +151,7 @@ def _drawn(record: _Record, orders: NDArray[np.int64]) -> _Draws:
         lines = np.hypot(z[:, 3 : 3 + len(orders)], z[:, 3 + len(orders) :])
         within = (z[:, 1] > math.log(_LEAST_NOISE)) & (z[:, 1] < math.log(_MOST_NOISE))
         within &= (np.abs(z[:, 0] - record.mean) < 1.0) & (np.abs(z[:, 2]) < 1.0)
-        return np.where(within, -np.sum(np.log(lines + _LEAST_LINE), axis=1), -np.inf)
+        return np.where(within, -2.0 * np.sum(np.log(lines + _LEAST_LINE), axis=1), -np.inf)
 
     random = np.random.default_rng(0)
     start = random.uniform(-1.0, 1.0, (_DRAWS, 3 + 2 * len(orders)))
