@@ -161,8 +161,7 @@ def repeated_steps(
         levels = step * np.arange(_LEVELS)[:, np.newaxis] / _LEVELS
     else:
         waveforms, levels = mean + _waveforms(_like(kept, step), points), np.array([level])
-    cells = np.floor(np.mod((waveforms - levels) / step, 1.0) * _CELLS).astype(np.int64) % _CELLS
-    errors = step * table[cells]
+    errors = _looked_up(table, waveforms - levels, step)
     if turns is not None:
         place = np.floor(np.mod(turns, 1.0) * points).astype(np.int64) % points
         errors *= np.bincount(place, minlength=points) * (points / len(turns))
@@ -181,6 +180,18 @@ def _error_of_a_step(noise: float) -> Floats | None:
         return np.asarray(np.round(place) - place)
     size = (-1.0) ** terms / (math.pi * terms) * np.exp(-2.0 * (math.pi * noise * terms) ** 2)
     return np.asarray(size @ np.sin(2.0 * np.pi * np.outer(terms, place)))
+
+
+def error_of_steps(signal: Floats, step: float, noise_rms: float, level: float) -> Floats | None:
+    """Return the mean error, over noise, of a signal, shape (n,), read in steps one of which is at `level`;
+    None where it is negligible."""
+    table = _error_of_a_step(noise_rms / step)
+    return None if table is None else _looked_up(table, signal - level, step)
+
+
+def _looked_up(table: Floats, above: Floats, step: float) -> Floats:
+    cells = np.floor(np.mod(above / step, 1.0) * _CELLS).astype(np.int64) % _CELLS
+    return np.asarray(step * table[cells])
 
 
 def _like(phasors: Complex, step: float) -> Complex:

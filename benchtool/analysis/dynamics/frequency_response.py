@@ -39,6 +39,7 @@ from benchtool.analysis.dynamics.local_polynomial import (
     local_fit,
     telling,
 )
+from benchtool.analysis.dynamics.output_steps import errors_of_output_steps
 from benchtool.analysis.dynamics.periodic_response import (
     ENOUGH_PERIODS,
     FEWEST_PERIODS,
@@ -234,12 +235,13 @@ def local_response(
     greatest = float(np.max(found.power))
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
     shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
-    error = found.error
+    of_r = found if stimulus is None else local_fit(fft.rfft(r)[1:], y_bins, at, at_rest=at_rest)
     if noise is not None:  # it sweeps
-        of_r = found if stimulus is None else local_fit(fft.rfft(r)[1:], y_bins, at, at_rest=at_rest)
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
-        error = np.hypot(found.error, of_steps)
-        shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / _above_zero(error**2)
+    else:
+        of_steps, alike = errors_of_output_steps(r, y, of_r.response, at)
+    error = np.hypot(found.error, of_steps)
+    shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / _above_zero(error**2)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
