@@ -76,6 +76,17 @@ class RepeatedSteps:
         """Return the mean square of the amplitude that the errors have at these orders, shape (n,)."""
         return np.asarray(np.mean(np.abs(self._lines(orders)) ** 2, axis=0))
 
+    def largest_at(self, orders: NDArray[np.int64], share: float) -> float:
+        """Return the amplitude that the largest of these orders, shape (n,), of the errors does not exceed in
+        that share of the ensemble."""
+        if len(orders) == 0:
+            return 0.0
+        return float(np.quantile(np.max(np.abs(self._lines(orders)), axis=1), share))
+
+    @property
+    def highest_order(self) -> int:
+        return (self.errors.shape[1] - 1) // 2
+
     def _lines(self, orders: NDArray[np.int64]) -> Complex:
         points = self.errors.shape[1]
         return np.asarray(fft.fft(self.errors, axis=1)[:, orders % points] * (2.0 / points))

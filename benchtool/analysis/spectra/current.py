@@ -40,7 +40,7 @@ from benchtool.analysis.spectra.interharmonics import (
     without,
 )
 from benchtool.analysis.spectra.modulation import apart_in_time, phase_noise_rad
-from benchtool.analysis.spectra.noise import NoiseFloor, line_noise, noise_floor
+from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
@@ -126,6 +126,7 @@ def current_spectrum(
     )
     in_time = apart_in_time(seen.amplitude[: coherent.periods], turns)
     errors = replace(errors, wander=np.maximum(errors.wander, in_time * harmonics(clean)[:highest]))
+    of_steps = largest_of_steps(clean, step, level, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     if others is not None and groups is not None and track.departure is None:  # they are as steady as it is
@@ -134,7 +135,7 @@ def current_spectrum(
         beside = None if of_lines is None else Beside(of_lines, *scatter)
     found = (
         frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
-        *_refused(_lines(spectrum, clean, errors, unit, lines), sound.of_amplitudes),
+        *_refused(_lines(spectrum, clean, errors, of_steps, unit, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(with_noise(spectrum, basis), sound.of_ratios),
         *_refused(group_distortions(coherent, clean, errors, groups, basis, beside), sound.of_ratios),
@@ -196,8 +197,14 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
 
 
 def _lines(
-    spectrum: CoherentSpectrum, clean: CoherentSpectrum, errors: LineErrors, unit: str, basis: Basis
+    spectrum: CoherentSpectrum,
+    clean: CoherentSpectrum,
+    errors: LineErrors,
+    of_steps: float,
+    unit: str,
+    basis: Basis,
 ) -> Iterator[Measurement]:
+    """Yield the fundamental and the largest low line; `of_steps` is how large one by a converter may be."""
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
     text = f"peak amplitude at {f_1:.6g} Hz"
     source = "noise, resampling, phase and resolution"
@@ -216,26 +223,29 @@ def _lines(
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     if place % periods == 0:
         spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
-    uncertain = _of_largest(spectrum, largest, errors)
+    uncertain = _of_largest(spectrum, largest, errors, of_steps)
     why = "" if uncertain is not None else f"the noise around {largest.frequency_Hz:.4g} Hz is not known"
     yield Measurement(
         "current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain, uncertainty_reason=why
     )
 
 
-def _of_largest(spectrum: CoherentSpectrum, largest: Component, errors: LineErrors) -> Uncertainty | None:
-    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n)."""
+def _of_largest(
+    spectrum: CoherentSpectrum, largest: Component, errors: LineErrors, of_steps: float
+) -> Uncertainty | None:
+    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n), and
+    a converter alone up to `of_steps`."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
     noise = line_noise(spectrum, np.array([place]), None if place % spectrum.periods else errors.trend)
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
     alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
-    alone2 += float(np.sum(errors.steps2[1:_LOW_ORDER])) / _LOW_ORDER * math.log(_LOW_ORDER)
+    alone2 += of_steps**2
     bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
     nearest = min(max(round(order), 1), len(errors.phase)) - 1
     lines = (
         Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
-        Contribution("largest of many bins of noise", "B", bias),
+        Contribution("largest of many bins of noise, or of lines by a converter", "B", bias),
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
         Contribution("wander of the phase and resolution", "B", _beside(errors, nearest)),
         Contribution(
