@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from benchmarks.coverage import (
     answers,
     channels,
+    coarse,
     disturbances,
     dynamic,
     encounters,
@@ -39,5 +40,6 @@ FAMILIES: Mapping[str, Family] = {
         *answers.FAMILIES,
         *revolutions.FAMILIES,
         *lines.FAMILIES,
+        *coarse.FAMILIES,
     )
 }

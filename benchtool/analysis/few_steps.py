@@ -12,14 +12,16 @@ Del Moral, Doucet and Jasra, J. R. Stat. Soc. B 68 (2006) 411; ter Braak, Stat. 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-_DRAWS = 160
-_MOST_LINES = 5
+_DRAWS, _FEWER_DRAWS = 120, 40  # in the end, and to find the lines
+_MOST_LINES = 4
 _FEWEST_POINTS, _PER_CYCLE, _MOST_POINTS = 128, 16, 2048
 _EDGES = 3  # to either side of a reading: those beyond are three standard deviations of noise away
 _TOLERANCE = 0.01  # of a step: what places in the period and rows between them make of a line
@@ -27,12 +29,15 @@ _OF_VARIANCE, _LEAST_VARIANCE = 0.2, 2e-3  # of its logarithm; of a step's squar
 _LEAST_NOISE, _MOST_NOISE = 5e-3, 0.8  # steps
 _STANDS_OUT = 5.0  # standard deviations: a line that those before do not make
 _LEAST_LINE = 0.05  # steps: below it a line is as likely at any size
+_FURTHEST, _CELLS = 8.0, 1 << 11  # standard deviations of noise, in a table
 _AHEAD = 0.02  # steps, for a slope
-_MOVES, _SMALLER = 5, (1.0, 1.0, 0.3, 0.1)
+_MOVES, _LAST_MOVES = 5, 12
+_SMALLER = np.array([1.0, 1.0, 0.3, 0.1])  # of the difference of two draws
 _MOST_STAGES = 60
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+LogDensity = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -62,14 +67,15 @@ def few_steps(
     """
     record = _Record((mean - level) / step, phasors / step, beside / step**2, samples, points)
     orders = [1 + int(np.argmax(np.abs(phasors)))]
-    while True:
-        draws = _drawn(record, np.array(orders))
+    while len(orders) < _MOST_LINES:
+        draws = _drawn(record, np.array(orders), _FEWER_DRAWS)
         left = np.abs(record.lines - draws.lines_read(len(phasors)))
         left[np.array(orders) - 1] = 0.0
         next_one = int(np.argmax(left))
-        if len(orders) == _MOST_LINES or left[next_one] < _STANDS_OUT * record.of_line:
+        if left[next_one] < _STANDS_OUT * record.of_line:
             break
         orders.append(next_one + 1)
+    draws = _drawn(record, np.array(orders), _DRAWS)
     signals, read = draws.whole(draws.signals), draws.whole(draws.read)
     return FewSteps(
         level + step * signals,
@@ -122,8 +128,8 @@ class _Draws:
         return np.tile(values, (1, self.common))
 
 
-def _drawn(record: _Record, orders: NDArray[np.int64]) -> _Draws:
-    """Return signals with these orders that would be read as the record was."""
+def _drawn(record: _Record, orders: NDArray[np.int64], count: int) -> _Draws:
+    """Return so many signals with these orders that would be read as the record was."""
     common = int(np.gcd.reduce(orders))
     cycles = orders // common
     needed = _FEWEST_POINTS
@@ -154,9 +160,9 @@ def _drawn(record: _Record, orders: NDArray[np.int64]) -> _Draws:
         return np.where(within, -2.0 * np.sum(np.log(lines + _LEAST_LINE), axis=1), -np.inf)
 
     random = np.random.default_rng(0)
-    start = random.uniform(-1.0, 1.0, (_DRAWS, 3 + 2 * len(orders)))
+    start = random.uniform(-1.0, 1.0, (count, 3 + 2 * len(orders)))
     start[:, 0] = record.mean + 0.5 * start[:, 0]
-    start[:, 1] = np.log(np.geomspace(1.01 * _LEAST_NOISE, 0.99 * _MOST_NOISE, _DRAWS))
+    start[:, 1] = np.log(np.geomspace(1.01 * _LEAST_NOISE, 0.99 * _MOST_NOISE, count))
     own = record.lines[orders - 1]
     start[:, 3:] = 0.5 * start[:, 3:] + np.concatenate([own.real, own.imag])
     found = _sampled(start, log_prior, log_likelihood, random)
@@ -182,22 +188,23 @@ def _read(signals: Floats, noise: Floats, shape: Floats) -> tuple[Floats, Floats
 def _below(value: Floats, shape: Floats) -> Floats:
     """Return the probability that noise of rms 1 is less than values of shape (draws, points): between that
     of the normal distribution (shape 0), of the rectangular one (1), and of Laplace's (-1)."""
+    tables = _distributions()
+    cell = np.clip((value + _FURTHEST) * (_CELLS / _FURTHEST), 0.0, 2.0 * _CELLS).astype(np.int64)
+    other = np.where(shape > 0.0, 1, 2)[:, np.newaxis]
+    found, share = tables[0][cell], np.abs(shape)[:, np.newaxis]
+    return np.asarray(found + share * (tables[other, cell] - found))
+
+
+@cache
+def _distributions() -> Floats:
+    """Return the normal, the rectangular and Laplace's distribution function of rms 1 at the cells of a
+    table."""
     from scipy.special import ndtr
 
-    found = ndtr(value)
-    for one, of in ((shape > 0.0, _rectangular), (shape < 0.0, _of_laplace)):
-        share = np.abs(shape[one])[:, np.newaxis]
-        found[one] += share * (of(value[one]) - found[one])
-    return np.asarray(found)
-
-
-def _rectangular(value: Floats) -> Floats:
-    return np.clip(0.5 + value / math.sqrt(12.0), 0.0, 1.0)
-
-
-def _of_laplace(value: Floats) -> Floats:
+    value = (np.arange(2 * _CELLS + 1) + 0.5) * (_FURTHEST / _CELLS) - _FURTHEST
     tail = 0.5 * np.exp(-math.sqrt(2.0) * np.abs(value))
-    return np.where(value < 0.0, tail, 1.0 - tail)
+    laplace = np.where(value < 0.0, tail, 1.0 - tail)
+    return np.array([ndtr(value), np.clip(0.5 + value / math.sqrt(12.0), 0.0, 1.0), laplace])
 
 
 def _slope(signals: Floats, noise: Floats, shape: Floats) -> Floats:
@@ -207,7 +214,9 @@ def _slope(signals: Floats, noise: Floats, shape: Floats) -> Floats:
     return np.asarray(np.mean(more - less, axis=1) / (2.0 * _AHEAD))
 
 
-def _sampled(start: Floats, log_prior, log_likelihood, random: np.random.Generator) -> Floats:
+def _sampled(
+    start: Floats, log_prior: LogDensity, log_likelihood: LogDensity, random: np.random.Generator
+) -> Floats:
     """Return a sample of what is likely, from a broad one, both of shape (draws, unknowns)."""
     z, unknowns = start, start.shape[1]
     likely, prior, power = log_likelihood(z), log_prior(z), 0.0
@@ -216,7 +225,7 @@ def _sampled(start: Floats, log_prior, log_likelihood, random: np.random.Generat
         weights = np.exp(rise * (likely - np.max(likely)))
         chosen = random.choice(len(z), len(z), p=weights / np.sum(weights))
         z, likely, prior, power = z[chosen], likely[chosen], prior[chosen], power + rise
-        for _ in range(_MOVES if power < 1.0 else 4 * _MOVES):
+        for _ in range(_MOVES if power < 1.0 else _LAST_MOVES):
             one, other = random.permutation(len(z)), random.permutation(len(z))
             scale = 1.7 / math.sqrt(unknowns) * random.choice(_SMALLER, (len(z), 1))
             moved = z + scale * (z[one] - z[other]) + 1e-4 * random.standard_normal(z.shape)
@@ -231,6 +240,7 @@ def _sampled(start: Floats, log_prior, log_likelihood, random: np.random.Generat
 
 def _next(likely: Floats, most: float) -> float:
     """Return by how much the power of likelihoods rises for half of the draws to count."""
+
     def counts(rise: float) -> float:
         weights = np.exp(rise * (likely - np.max(likely)))
         return float(np.sum(weights) ** 2 / np.sum(weights**2))

@@ -85,7 +85,7 @@ class RepeatedSteps:
 
     @property
     def highest_order(self) -> int:
-        return (self.errors.shape[1] - 1) // 2
+        return int(self.errors.shape[1] - 1) // 2
 
     def _lines(self, orders: NDArray[np.int64]) -> Complex:
         points = self.errors.shape[1]

@@ -47,14 +47,14 @@ def errors_of_output_steps(
     left = (y - np.mean(y) - made)[ends:-ends]
     noise = noise_beside(float(np.var(left)), step)
     level, size = level_of(y, step) - float(np.mean(y)), 0.5 * float(np.ptp(made))
-    power = [_around(np.abs(x_bins[part :: _PARTS]) ** 2) for part in range(_PARTS)]
+    power = [_around(np.abs(x_bins[part::_PARTS]) ** 2) for part in range(_PARTS)]
     errors = []
     for part in (np.arange(_DRAWS) + 0.5) / _DRAWS - 0.5:
         error = error_of_steps(made * (1.0 + part * step / size), step, noise, level)
         if error is None:
             return none
         along = np.conj(x_bins) * fft.rfft(error)[1:]
-        of_error = [_around(along[part :: _PARTS]) / power[part] for part in range(_PARTS)]
+        of_error = [_around(along[part::_PARTS]) / power[part] for part in range(_PARTS)]
         errors.append([each[np.minimum(at // _PARTS, len(each) - 1)] / response for each in of_error])
     return _in_common(np.array(errors))
 
@@ -78,10 +78,11 @@ def _in_common(errors: Complex) -> tuple[Floats, Floats]:
         return np.maximum(along, 0.0), np.maximum(across, 0.0)
 
     along, across = common(1)
-    own, alike = np.maximum(along + across, np.finfo(np.float64).tiny), np.ones(errors.shape[2])
+    own, alike = along + across, np.ones(errors.shape[2])
     width = 2
     while width <= min(_MOST, errors.shape[2]):
-        share = np.minimum(np.add(*common(width)) / own, 1.0)
+        of_mean = np.minimum(np.add(*common(width)), own)
+        share = np.divide(of_mean, own, out=np.zeros_like(own), where=own > 0.0)
         alike = np.where(share > _ALIKE, width * share, alike)
         width *= 2
     return np.sqrt(np.maximum(along, across)), alike

@@ -233,8 +233,8 @@ def _lines(
 def _of_largest(
     spectrum: CoherentSpectrum, largest: Component, errors: LineErrors, of_steps: float
 ) -> Uncertainty | None:
-    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n), and
-    a converter alone up to `of_steps`."""
+    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n),
+    and a converter alone up to `of_steps`."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
     noise = line_noise(spectrum, np.array([place]), None if place % spectrum.periods else errors.trend)

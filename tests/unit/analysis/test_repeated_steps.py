@@ -9,6 +9,7 @@ from benchtool.analysis.quantisation import level_of
 from benchtool.analysis.repeated_steps import noise_beside, repeated_steps, share_left
 
 PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
+OWN = STEP**2 / 12.0  # mean square of what steps without noise leave beside what repeats
 
 
 @pytest.mark.parametrize(("noise", "per_period"), [(0.0, PER_PERIOD), (0.0, 500.0), (0.25 * STEP, 500.0)])
@@ -18,7 +19,7 @@ def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
     random = np.random.default_rng(3)
     phasors = np.zeros(40, dtype=np.complex128)
     phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
-    stated = repeated_steps(0.1, phasors, STEP, noise, per_period * PERIODS, PERIODS)
+    stated = repeated_steps(0.1, phasors, STEP, noise**2 + OWN, per_period * PERIODS, PERIODS)
     assert stated is not None
     theta = 2.0 * np.pi / per_period * np.arange(round(per_period * PERIODS))
     clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
@@ -51,7 +52,7 @@ def test_places_of_a_speed_that_swings_count_as_often_as_they_are_sampled(swing_
     phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
     rows = np.arange(80 * 250)
     turns = rows / 250.0 + swing_turns * np.sin(2.0 * np.pi * 4.0 * rows / len(rows))
-    stated = repeated_steps(0.1, phasors, STEP, 0.0, float(len(rows)), 80, turns)
+    stated = repeated_steps(0.1, phasors, STEP, OWN, float(len(rows)), 80, turns)
     assert stated is not None
     theta = 2.0 * np.pi * turns
     clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
@@ -76,7 +77,7 @@ def test_levels_that_lie_evenly_about_a_waveform_are_no_chance(offset: float) ->
         clean = np.real(phasors[0] * np.exp(1j * theta))
         read = STEP * np.round((clean - offset) / STEP) + offset
         assert np.isclose(np.mod((level_of(read, STEP) - offset) / STEP + 0.5, 1.0), 0.5)
-        stated = repeated_steps(0.0, phasors, STEP, 0.0, float(len(theta)), 20, level=offset)
+        stated = repeated_steps(0.0, phasors, STEP, OWN, float(len(theta)), 20, level=offset)
         assert stated is not None
         error = 2.0 * np.mean((read - clean) * np.exp(-1j * (theta + np.angle(phasors[0])))).real
         relative.append(error / stated.of_lines(phasors)[0][0])
@@ -87,7 +88,7 @@ def test_levels_that_lie_evenly_about_a_waveform_are_no_chance(offset: float) ->
 
 def test_noise_hides_the_steps() -> None:
     phasors = np.array([1.0 + 0j])
-    assert repeated_steps(0.0, phasors, STEP, STEP, 10_000.0, 20) is None
+    assert repeated_steps(0.0, phasors, STEP, STEP**2 + OWN, 10_000.0, 20) is None
     assert noise_beside(STEP**2 / 12.0, STEP) == 0.0
     assert noise_beside(STEP**2 / 12.0 + 9.0, STEP) == pytest.approx(3.0)
 

@@ -1,0 +1,98 @@
+"""Families of a converter whose steps are about as coarse as what is measured, with noise that hides them or
+not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy import signal
+
+from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.noise import coloured, converted
+from benchtool.analysis import Measurement, analyze_response, order_analysis, torque_ripple, track_angle
+from benchtool.block import Block
+
+RATE_HZ, STEP_NM = 2_000.0, 0.05
+_POLE_PAIRS = 2
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """A torque along an angle, in steps of 0.05 Nm: orders (order, steps), each 30 % larger or smaller from
+    record to record, and noise of as many steps, from the first to the second number."""
+
+    orders: tuple[tuple[int, float], ...] = ((6, 0.6),)
+    noise: tuple[float, float] = (0.02, 0.02)
+    kind: Literal["normal", "rectangular", "coloured"] = "normal"
+    absent: int = 4
+    revolutions: float = 60.3
+
+
+def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    count = round(what.revolutions / 7.5 * RATE_HZ)
+    theta_m = 2 * np.pi * 7.5 / RATE_HZ * np.arange(count, dtype=np.float64) + random.uniform(0, 2 * np.pi)
+    mean = random.uniform(0.9, 1.1)
+    torque, noise = np.full(count, mean), STEP_NM * random.uniform(*what.noise)
+    truths = {f"torque_order_{what.absent}": 0.0}
+    for order, steps in what.orders:
+        amplitude = STEP_NM * steps * random.uniform(0.7, 1.3)
+        torque += amplitude * np.cos(order * theta_m + random.uniform(0, 2 * np.pi))
+        truths[f"torque_order_{order}"] = amplitude
+    square = 0.5 * sum(amplitude**2 for amplitude in truths.values()) + noise**2
+    if what.kind == "rectangular":
+        torque += noise * random.uniform(-math.sqrt(3.0), math.sqrt(3.0), count)
+    else:
+        torque += noise * coloured(random.standard_normal(count), 0.9 if what.kind == "coloured" else 0.0)
+    read = converted(torque, STEP_NM, random)
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read, theta_m=np.mod(theta_m, 2 * np.pi))
+    track = track_angle(np.asarray(theta_m), _POLE_PAIRS)
+    found = order_analysis(block, "torque", orders=[what.absent, *(order for order, _ in what.orders)])
+    yield from selected(found.measurements, truths)
+    truths = {"torque_mean": mean, "torque_ripple_rms": math.sqrt(square)}
+    yield from selected(torque_ripple(block, track=track, pole_pairs=_POLE_PAIRS), truths)
+
+
+@dataclass(frozen=True)
+class CoarseOutput:
+    """A first-order lag behind random bits of 1, each held for some rows; noise of its output in steps, which
+    lie from 0.01 to 0.1 apart."""
+
+    rows: tuple[int, int] = (2, 9)
+    noise: float = 0.03
+
+
+def _output(what: CoarseOutput, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    rate_Hz, count, step = 4_000.0, 16_000, random.uniform(0.01, 0.1)
+    corner_Hz, held = random.uniform(40.0, 130.0), random.integers(*what.rows)
+    x = np.repeat(random.choice([-1.0, 1.0], count // held + 1), held)[:count]
+    left = math.exp(-2 * np.pi * corner_Hz / rate_Hz)
+    y = np.asarray(signal.lfilter([0.0, 1.0 - left], [1.0, -left], x))
+    y = step * np.round((y + what.noise * step * random.standard_normal(count)) / step)
+    block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "Nm"}, x=x, y=y)
+    # |1 - left e^-jw|^2 = 2 (1 - left)^2 at the corner
+    turn = math.acos((1.0 + left**2 - 2.0 * (1.0 - left) ** 2) / (2.0 * left))
+    truths = {"response_gain": 1.0, "bandwidth_3dB": turn * rate_Hz / (2 * np.pi)}
+    yield from selected(analyze_response(block, "x", "y").measurements, truths)
+
+
+TORQUE: Mapping[str, Coarse] = {
+    "coarse_order": Coarse(),
+    "coarse_order_larger": Coarse(orders=((6, 1.7),), noise=(0.02, 0.3)),
+    "coarse_order_dithered": Coarse(orders=((6, 0.3),), noise=(0.4, 1.0)),
+    "coarse_order_half_dithered": Coarse(orders=((6, 0.6),), noise=(0.1, 0.4)),
+    "coarse_two_orders": Coarse(orders=((6, 0.8), (1, 0.3)), noise=(0.02, 0.3), absent=2),
+    "coarse_weak_order": Coarse(orders=((12, 1.2), (2, 0.08)), noise=(0.05, 0.4)),
+    "coarse_rectangular": Coarse(noise=(0.1, 0.5), kind="rectangular"),
+    "coarse_coloured": Coarse(noise=(0.1, 0.5), kind="coloured"),
+    "coarse_few_turns": Coarse(orders=((6, 0.9),), noise=(0.05, 0.3), revolutions=8.4),
+}
+OUTPUTS: Mapping[str, CoarseOutput] = {
+    "coarse_output_bits": CoarseOutput(),
+    "coarse_output_slow_bits": CoarseOutput(rows=(30, 60)),
+}
+
+FAMILIES = (*families_of(_coarse, TORQUE), *families_of(_output, OUTPUTS))
