@@ -21,7 +21,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 _DRAWS, _FEWER_DRAWS = 120, 40  # in the end, and to find the lines
-_MOST_LINES = 4
+_MOST_LINES = 6
 _FEWEST_POINTS, _PER_CYCLE, _MOST_POINTS = 128, 16, 2048
 _EDGES = 3  # to either side of a reading: those beyond are three standard deviations of noise away
 _TOLERANCE = 0.01  # of a step: what places in the period and rows between them make of a line

@@ -39,7 +39,9 @@ def counting_step(samples: NDArray[np.float64]) -> float:
 
 def level_of(samples: NDArray[np.float64], step: float) -> float:
     """Return a value that a converter with steps of `step` gives, of its samples, shape (n,): the rest of
-    their division by it."""
+    their division by it; 0 where there are no steps."""
+    if not step > 0.0:
+        return 0.0
     turns = np.mean(np.exp(2j * np.pi * np.mod(samples / step, 1.0)))
     return float(np.angle(turns)) / (2.0 * np.pi) * step
 

@@ -153,7 +153,8 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
         f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, 1 / gain^2 as a "
         f"polynomial of frequency^2; the reference of the others"
     )
-    gain_error = Uncertainty(rest.gain * rest.relative_error, f"{_STATISTICAL}, and of the fit")
+    of_gain = max(rest.relative_error, found.at_rest)  # which is in the errors of single frequencies too
+    gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL}, and of the fit")
     yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
 
     rest_dB = NEPER_DB * rest.relative_error

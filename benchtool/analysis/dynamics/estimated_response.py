@@ -49,7 +49,7 @@ class FrequencyResponse:
     `averages` is the number of independent spectra (of a fit, its degrees of freedom and one), `samples` how
     many samples they cover, and `method` says in words how they were made. `excited` are the frequencies
     where the input has power that is not noise, and `well_excited` those with more than a hundredth of its
-    greatest.
+    greatest. `at_rest` is an error of the gain, relative to it, that all low frequencies have in common.
     """
 
     frequency_Hz: NDArray[np.float64]
@@ -62,6 +62,7 @@ class FrequencyResponse:
     averages: float
     samples: int
     method: str
+    at_rest: float = 0.0
 
     def __post_init__(self) -> None:
         for each in fields(self):

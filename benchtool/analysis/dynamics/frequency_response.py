@@ -236,10 +236,11 @@ def local_response(
     frequency_Hz = sample_rate_Hz / len(x) * (at + np.ones(len(at)))
     shared = np.where(at < near, REACH / _STEP_NEAR, 1.0)
     of_r = found if stimulus is None else local_fit(fft.rfft(r)[1:], y_bins, at, at_rest=at_rest)
+    in_common = 0.0
     if noise is not None:  # it sweeps
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
     else:
-        of_steps, alike = errors_of_output_steps(r, y, of_r.response, at)
+        of_steps, alike, in_common = errors_of_output_steps(r, y, of_r.response, at)
     error = np.hypot(found.error, of_steps)
     shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / _above_zero(error**2)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
@@ -256,6 +257,7 @@ def local_response(
         samples=len(x),
         method=f"DFT of all {len(x)} samples, rectangular window; a parabola over {2 * REACH + 1} bins, "
         f"{ends}{by}",
+        at_rest=in_common,
     )
 
 
