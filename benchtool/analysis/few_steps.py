@@ -59,8 +59,8 @@ class FewSteps:
 def few_steps(
     mean: float, phasors: Complex, step: float, level: float, beside: float, samples: float, points: int
 ) -> FewSteps:
-    """Return signals that converter with a `step` and a `level` would read as a mean and harmonics 1, 2 ...,
-    peak `phasors` of shape (n,), with a mean square `beside` them, in so many samples.
+    """Return signals that a converter with a `step` and a `level` would read as a mean and harmonics 1, 2
+    ..., peak `phasors` of shape (n,), with a mean square `beside` them, in so many samples.
 
     Harmonics are taken in, the strongest first, until those taken make the others. `points` are the places of
     a period at which there are samples; more than needed are as good as all.

@@ -62,6 +62,7 @@ class OrderSpectrum:
     basis: Basis
     dof: NDArray[np.float64]
     stands_out_above: NDArray[np.float64]
+    step: float = 0.0
 
     @property
     def largest(self) -> NDArray[np.int64]:
@@ -200,6 +201,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         uncertainty_source=f"noise and leakage beside the order, resampling, resolution, and {about}",
         dof=noise.dof,
         stands_out_above=_explained(noise.in_phase, _OF_DOF * noise.dof, others),
+        step=step,
         basis=Basis(
             samples=spectrum.samples,
             sample_rate_Hz=block.sample_rate_Hz,
@@ -260,6 +262,7 @@ def fitted_orders(
         uncertainty_source=f"{fit.uncertainty_source}, and resolution",
         dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
         stands_out_above=_explained(fit.noise / low, np.full(count, fit.noise_dof), others),
+        step=counting_step(values),
         basis=replace(
             basis or Basis(len(values)),
             window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",

@@ -239,6 +239,12 @@ def _amplitude(
     if order > highest:
         reason = f"orders end at {highest} here: sample faster or turn slower"
         return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
+    if spectrum.step > 0.0 and math.isnan(float(spectrum.standard[order - 1])):
+        reason = (
+            f"steps of {spectrum.step:.3g} {spectrum.unit} are about as coarse as what {spectrum.signal} "
+            f"does, and may hide the order: choose a finer range, or let in noise of half a step"
+        )
+        return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     return Measurement(name, value, spectrum.unit, text, spectrum.basis, uncertain)
 
