@@ -313,8 +313,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_max_low_harmonic",),
             "A",
             "largest bin below 10 f_1 but dc and fundamental; interharmonics count",
-            "likewise, and what the largest of n bins of noise reads, A_n sqrt(ln n), or the largest line that "
-            "a converter's errors fold down to",
+            "likewise, and what the largest of n bins of noise reads, A_n sqrt(ln n), or the largest line "
+            "that a converter's errors fold down to",
         ),
         Quantity(
             ("current_thd_f",),

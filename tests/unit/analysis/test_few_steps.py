@@ -7,8 +7,10 @@ import pytest
 
 from benchtool.analysis.repeated_steps import repeated_steps
 
-SAMPLES, TURNS, ORDERS = 16_000, 75, np.arange(1, 41)
+SAMPLES, TURNS, RECORDS = 8_000, 37, 10
 THETA = 2.0 * np.pi * TURNS * np.arange(SAMPLES) / SAMPLES
+WAVES = np.exp(1j * np.outer(np.arange(1, 41), THETA))
+MOST = 1.4 * (1.0 + 1.0 / np.sqrt(RECORDS))  # as `benchmarks.coverage` has it
 
 
 def _errors(random: np.random.Generator, amplitude: float, noise: float) -> tuple[np.ndarray, np.ndarray]:
@@ -17,8 +19,8 @@ def _errors(random: np.random.Generator, amplitude: float, noise: float) -> tupl
     mean, turn = random.uniform(0.0, 1.0), random.uniform(0.0, 2.0 * np.pi, 2)
     clean = mean + amplitude * (np.cos(6.0 * THETA + turn[0]) + 0.1 * np.cos(4.0 * THETA + turn[1]))
     read = np.round(clean + noise * random.standard_normal(SAMPLES))
-    phasors = 2.0 * np.exp(-1j * np.outer(ORDERS, THETA)) @ read / SAMPLES
-    repeated = np.mean(read) + np.real(phasors @ np.exp(1j * np.outer(ORDERS, THETA)))
+    phasors = 2.0 * np.conj(WAVES) @ read / SAMPLES
+    repeated = np.mean(read) + np.real(phasors @ WAVES)
     beside = float(np.mean((read - repeated) ** 2))
     found = repeated_steps(float(np.mean(read)), phasors, 1.0, beside, SAMPLES, TURNS, level=0.0)
     assert found is not None
@@ -34,9 +36,9 @@ def _errors(random: np.random.Generator, amplitude: float, noise: float) -> tupl
 @pytest.mark.parametrize(("amplitude", "noise"), [(0.6, 0.1), (1.1, 0.05), (0.8, 0.3), (2.5, 0.1)])
 def test_errors_of_few_steps_are_as_large_as_said(amplitude: float, noise: float) -> None:
     random = np.random.default_rng(11)
-    found = [_errors(random, amplitude * random.uniform(0.8, 1.2), noise) for _ in range(14)]
+    found = [_errors(random, amplitude * random.uniform(0.8, 1.2), noise) for _ in range(RECORDS)]
     relative = np.array([off / said for off, said in found])
-    assert np.all(np.sqrt(np.mean(relative**2, axis=0)) < 1.5)
+    assert np.all(np.sqrt(np.mean(relative**2, axis=0)) < MOST)
     # of the order itself, neither much wider than it is
     assert np.sqrt(np.mean(relative[:, 2] ** 2)) > 0.5
 
