@@ -44,8 +44,8 @@ def test_errors_of_few_steps_are_as_large_as_said(amplitude: float, noise: float
 
 
 def test_noise_of_half_a_step_makes_a_coarse_mean_and_order_sure() -> None:
-    """The same order, 0.4 steps: without noise it is uncertain by half of itself."""
+    """The same order, 0.4 steps: with little noise it is uncertain by a tenth of itself at least."""
     said = [_errors(np.random.default_rng(5), 0.4, noise)[1] for noise in (0.1, 0.5)]
-    assert said[0][2] > 0.08
+    assert said[0][2] > max(0.04, 2.0 * said[1][2])
     assert said[1][0] < 0.01
     assert said[1][2] < 0.03

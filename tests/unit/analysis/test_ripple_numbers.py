@@ -188,14 +188,14 @@ def test_without_periods_only_the_resolution_of_the_peak_to_peak_is_known() -> N
     assert uncertainty.source == "resolution 0.01 Nm / sqrt(6) alone"
 
 
-def test_ripple_below_one_step_is_no_better_known_than_the_step() -> None:
+def test_a_mean_at_one_level_is_no_better_known_than_a_tenth_of_the_step() -> None:
     samples = np.full(5000, 1.0)
     samples[::1000] = 1.01
 
     uncertainty = numbers(samples, track(5000))["torque_mean"].uncertainty
 
     assert uncertainty is not None
-    assert uncertainty.standard == pytest.approx(0.01 / math.sqrt(12), rel=1e-3)
+    assert 0.1 * 0.01 < uncertainty.standard < 1.1 * 0.01 / math.sqrt(12)  # at most it is anywhere in it
     assert "resolution" in uncertainty.source
 
 
