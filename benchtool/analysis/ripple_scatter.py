@@ -125,7 +125,7 @@ def scatter_of_periods(
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,
-        steps=_repeated_steps(within, rows, step) if percentiles and step > 0.0 else None,
+        steps=_of_steps(within, repeats, step) if percentiles and step > 0.0 else None,
     )
 
 
@@ -368,7 +368,20 @@ def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
     return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))
 
 
-def _repeated_steps(samples: Floats, begins: NDArray[np.int64], step: float) -> RepeatedSteps | None:
+def _of_steps(samples: Floats, repeats: Periods, step: float) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps that are the same in every period or, where those are few, in
+    every revolution; None where noise hides them."""
+    turns = repeats.rows[:: repeats.per_revolution]
+    if len(turns) <= FEWEST_PERIODS:
+        turns = repeats.rows
+    found = _repeated_steps(samples, turns, step, level_of(samples, step))
+    # where the mean lies between levels is off by what it is read wrong
+    return found if found is not None and found.has_noise else _repeated_steps(samples, repeats.rows, step)
+
+
+def _repeated_steps(
+    samples: Floats, begins: NDArray[np.int64], step: float, level: float | None = None
+) -> RepeatedSteps | None:
     """Return the errors of a converter's steps that are the same in every period; None where noise hides
     them."""
     periods = len(begins) - 1
@@ -386,5 +399,4 @@ def _repeated_steps(samples: Floats, begins: NDArray[np.int64], step: float) -> 
     # nor are periods that the track does not follow closely, which leave neighbouring samples alike
     noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
     mean, covered = float(np.mean(table)), float(begins[-1] - begins[0])
-    level = level_of(samples, step)
     return repeated_steps(mean, phasors, step, noise2, covered, periods, level=level)
