@@ -146,7 +146,8 @@ def group_distortions(
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
             of_steps = Contribution("steps of the converter that repeat", "B", added)
             budget = [scatter, of_steps] if added else [scatter]
-            if of_power := scatter_of_power(groups, squares):
+            clean = groups if beside is None else beside.without
+            if of_power := scatter_of_power(clean, clean.group2 if kind == "group" else clean.subgroup2):
                 name_of_power = f"power of the noise in the {kind}s beside the lines"
                 budget.append(Contribution(name_of_power, "A", of_power, 2.0 * groups.orders))
             if beside is not None:
