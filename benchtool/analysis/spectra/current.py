@@ -129,7 +129,9 @@ def current_spectrum(
     of_steps = largest_of_steps(clean, step, level, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
-    if others is not None and groups is not None and track.departure is None:  # they are as steady as it is
+    # sinusoids are as steady as the track, a decaying dc on any
+    is_like_it = others is not None and (track.departure is None or not len(others.places))
+    if others is not None and groups is not None and is_like_it:
         of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
         scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
         beside = None if of_lines is None else Beside(of_lines, *scatter)
@@ -209,9 +211,10 @@ def _lines(
     text = f"peak amplitude at {f_1:.6g} Hz"
     source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
-    if math.isnan(errors.wander[0]):
-        text += "; its uncertainty is unknown: the amplitude wanders over the whole record, record longer"
-    yield Measurement("current_fundamental", clean.fundamental, unit, text, basis, own)
+    why = "" if own is not None else errors.unknown
+    yield Measurement(
+        "current_fundamental", clean.fundamental, unit, text, basis, own, uncertainty_reason=why
+    )
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))

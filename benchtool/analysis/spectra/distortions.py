@@ -73,12 +73,13 @@ def distortions(
         )
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
         uncertain = _with_bias(distortion, source)
-        yield Measurement(name, 100.0 * distortion.ratio, "%", text + at_most, to_last, uncertain)
+        value, why = 100.0 * distortion.ratio, errors.unknown if uncertain is None else ""
+        yield Measurement(name, value, "%", text + at_most, to_last, uncertain, uncertainty_reason=why)
         if reference is Reference.FUNDAMENTAL:
-            yield _corrected(distortion, last, to_last)
+            yield _corrected(distortion, errors, last, to_last)
 
 
-def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
+def _corrected(distortion: Distortion, errors: LineErrors, last: int, basis: Basis) -> Measurement:
     name = "current_thd_f_noise_corrected"
     text = (
         f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
@@ -89,7 +90,8 @@ def _corrected(distortion: Distortion, last: int, basis: Basis) -> Measurement:
         return Measurement.undefined(name, "%", text, reason, basis)
     source = "scatter of the noise in the harmonics, and of the floor that is taken out"
     uncertain = _percent(distortion.corrected_budget, source)
-    return Measurement(name, 100.0 * distortion.corrected, "%", text, basis, uncertain)
+    value, why = 100.0 * distortion.corrected, errors.unknown if uncertain is None else ""
+    return Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)
 
 
 def with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
@@ -156,7 +158,8 @@ def group_distortions(
             uncertain = _percent(budget, source)
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter
-            yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain)
+            why = errors.unknown if uncertain is None else ""
+            yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain, uncertainty_reason=why)
 
 
 def _relative(distortion: Distortion) -> float:

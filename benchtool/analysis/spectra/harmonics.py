@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum, wander_of_mean
 from benchtool.analysis.spectra.noise import (
@@ -70,6 +70,11 @@ class LineErrors:
         """Combined standard uncertainty of each amplitude."""
         squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2 + self.wander**2
         return np.asarray(np.sqrt(squares))
+
+    @property
+    def unknown(self) -> str:
+        """Why an amplitude has no uncertainty, where it has none."""
+        return TOO_SLOW if math.isnan(self.wander[0]) else "the noise beside the lines is not known"
 
     def budget(self, index: int, *, of_ratio: bool = False) -> tuple[Contribution, ...]:
         """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 
 from benchmarks.coverage.families import scores
@@ -73,3 +76,24 @@ def test_an_amplitude_that_wanders_over_the_whole_record_has_no_mean() -> None:
     found = {each.measurement: each for each in scores(FAMILIES["amplitude_memory_few_periods"], 4)}
     assert found["current_fundamental"].answered <= 1
     assert found["current_thd_f"].answered == 4
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "amplitude_memory_few_periods",
+        "amplitude_memory_short",
+        "decaying_dc",
+        "regimes_slight_few_periods",
+        "switching_modulated_short",
+    ],
+)
+def test_a_value_without_an_uncertainty_says_why(name: str) -> None:
+    bare = [
+        each
+        for number in range(2)
+        for each, _ in FAMILIES[name].trial(np.random.default_rng(number))
+        if math.isfinite(each.value) and each.uncertainty is None and not each.name.startswith("harmonic_")
+    ]
+    assert name == "decaying_dc" or bare
+    assert all(each.uncertainty_reason for each in bare), bare
