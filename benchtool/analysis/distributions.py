@@ -29,7 +29,7 @@ def above_zero(found: float, standard: float) -> tuple[float, float]:
     from it: the best estimate of what cannot be negative, and its standard uncertainty (JCGM 106:2012, A.4.4,
     of prior knowledge).
 
-    Of what is zero the mean of that part is above by more than its standard deviation, in every record.
+    Where the truth is zero, the mean of that part is off by more than its standard deviation in every record.
     """
     if not standard > 0.0:
         return max(0.0, found), 0.0
