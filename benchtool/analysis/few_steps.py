@@ -217,7 +217,7 @@ def _slope(signals: Floats, noise: Floats, shape: Floats) -> Floats:
 def _sampled(
     start: Floats, log_prior: LogDensity, log_likelihood: LogDensity, random: np.random.Generator
 ) -> Floats:
-    """Return a sample of what is likely, from a broad one, both of shape (draws, unknowns)."""
+    """Return a sample of the likely ones from a broad one, both of shape (draws, unknowns)."""
     z, unknowns = start, start.shape[1]
     likely, prior, power = log_likelihood(z), log_prior(z), 0.0
     for _ in range(_MOST_STAGES):

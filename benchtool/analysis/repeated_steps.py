@@ -32,7 +32,7 @@ _AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
 _TERMS = 20  # with which a share is computed
 _FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
-_LEAST_SLOPE, _UNSURE = 0.2, 0.05  # of what is read of a weak line; share of the draws
+_LEAST_SLOPE, _UNSURE = 0.2, 0.05  # a weak line as read over as it is; share of the draws
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
