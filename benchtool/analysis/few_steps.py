@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 _DRAWS, _FEWER_DRAWS = 120, 40  # in the end, and to find the lines
 _MOST_LINES = 6
 _FEWEST_POINTS, _PER_CYCLE, _MOST_POINTS = 128, 16, 2048
+_MOST_PLACES, _FEWEST_PLACES = 1 << 16, 32  # of a whole period; of the shortest one
 _EDGES = 3  # to either side of a reading: those beyond are three standard deviations of noise away
 _TOLERANCE = 0.01  # of a step: what places in the period and rows between them make of a line
 _OF_VARIANCE, _LEAST_VARIANCE = 0.2, 2e-3  # of its logarithm; of a step's square
@@ -124,8 +125,12 @@ class _Draws:
         return lines
 
     def whole(self, values: Floats) -> Floats:
-        """Return values over the shortest period over the whole one, at as many places for each."""
-        return np.tile(values, (1, self.common))
+        """Return values over the shortest period over the whole one, at as many places for each; of very many
+        of them at fewer, which still show the signals' own lines."""
+        size, every = values.shape[1], 1
+        while size // every * self.common > _MOST_PLACES and size % (2 * every * _FEWEST_PLACES) == 0:
+            every *= 2
+        return np.tile(values[:, ::every], (1, self.common))
 
 
 def _drawn(record: _Record, orders: NDArray[np.int64], count: int) -> _Draws:

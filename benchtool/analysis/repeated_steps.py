@@ -160,7 +160,7 @@ def repeated_steps(
     needed = max(_FEWEST_POINTS, 4 * len(phasors), math.ceil(_POINTS_PER_STEP * spanned))
     points = _distinct(samples, periods, needed)
     if level is not None and spanned < _FEW:
-        found = few_steps(mean, phasors, step, level, beside, samples, points)
+        found = few_steps(mean, phasors, step, level, max(0.0, beside), samples, points)
         read = np.mean(found.read, axis=0)
         return _OfFewSteps(read, found.read - found.signals, found)
     if turns is not None and points < needed and _stay(turns, points):

@@ -21,6 +21,7 @@ _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
 _LOST = 3.4  # octaves by which noise rises below the lowest frequency of a piece, of two on average
+_OF_A_WALK = 4.8  # octaves: 1/f noise rises by 4.6 down to the lowest frequency of the models
 _LONG, _SHORT, _GROWS = 6, 24, 1.8  # parts of a record that Allan's variances are of; over the other
 _FEWEST_AT_REST = 64  # samples
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
@@ -63,25 +64,27 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
 
     The density of its noise rises then so far below the lowest frequencies of the samples before the step,
-    and of those `at_rest` after it, that what it moved by between both is not known, and Allan's variance
-    grows with the time that is averaged over; that of 1/f noise is constant, that of a line falls. Where it
-    `drifts`, that is about its drift.
+    and of those `at_rest` after it where there are some, that what it moved by between both is not known, and
+    Allan's variance grows with the time that is averaged over; that of 1/f noise is constant, that of a line
+    falls. Of few samples Allan's variance says little: a density that rises by more than that of 1/f noise
+    does is that of a walk in any case. Where it `drifts`, that is about its drift.
     """
-    y_before, count = step.y_before, len(at_rest)
-    if count < _FEWEST_AT_REST:
-        return ""
+    pieces = [each for each in (step.y_before, at_rest) if len(each) >= _FEWEST_AT_REST]
     if drifts:
-        y_before, at_rest = without_a_line(y_before), without_a_line(at_rest)
-    before, after = slow_noise(y_before), slow_noise(at_rest)
-    if before is None or after is None or before.rise + after.rise < 2.0 * _LOST:
+        pieces = [without_a_line(each) for each in pieces]
+    noises = [found for each in pieces if (found := slow_noise(each)) is not None]
+    if not pieces or len(noises) < len(pieces):
         return ""
-    longer = _allan_variance(at_rest, count // _LONG)
-    if longer < _GROWS * _allan_variance(at_rest, count // _SHORT):
+    rise, longest = sum(each.rise for each in noises) / len(noises), max(pieces, key=len)
+    size = len(longest) // _LONG
+    longer = _allan_variance(longest, size)
+    grows = longer >= _GROWS * _allan_variance(longest, len(longest) // _SHORT)
+    if rise < _LOST or not (grows or rise > _OF_A_WALK):
         return ""
     return (
         f"the signal wanders at rest, by {math.sqrt(longer):.2g} {step.unit} rms within "
-        f"{count // _LONG * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or "
-        f"record less before and after the step"
+        f"{size * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or record "
+        f"less before and after the step"
     )
 
 

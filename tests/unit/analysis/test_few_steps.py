@@ -49,3 +49,15 @@ def test_noise_of_half_a_step_makes_a_coarse_mean_and_order_sure() -> None:
     assert said[0][2] > max(0.04, 2.0 * said[1][2])
     assert said[1][0] < 0.01
     assert said[1][2] < 0.03
+
+
+def test_a_record_that_repeats_to_the_last_digit_and_one_of_a_high_order_are_answered() -> None:
+    quiet = repeated_steps(0.4, np.array([0.5 + 0.0j]), 1.0, -1e-30, 6.0, 2, level=0.0)
+    phasors = np.zeros(3000, dtype=np.complex128)
+    phasors[2999] = 0.7
+    high = repeated_steps(0.3, phasors, 1.0, 0.01, 2e5, 20, level=0.0)
+
+    assert quiet is not None
+    assert high is not None
+    assert high.errors.shape[1] <= 1 << 17
+    assert float(high.of_lines(phasors)[0][2999]) > 0.01
