@@ -66,7 +66,8 @@ def few_steps(
     Harmonics are taken in, the strongest first, until those taken make the others. `points` are the places of
     a period at which there are samples; more than needed are as good as all.
     """
-    record = _Record((mean - level) / step, phasors / step, beside / step**2, samples, points)
+    in_steps = (math.sqrt(beside) / step) ** 2  # the square of a tiny step is zero
+    record = _Record((mean - level) / step, phasors / step, in_steps, samples, points)
     orders = [1 + int(np.argmax(np.abs(phasors)))]
     while len(orders) < _MOST_LINES:
         draws = _drawn(record, np.array(orders), _FEWER_DRAWS)

@@ -39,6 +39,8 @@ def answer_or_error(path: Path) -> None:
     rows=st.lists(st.tuples(*[NUMBERS] * 5), min_size=1, max_size=40), repeat=st.integers(1, 6), stamps=STAMPS
 )
 @example(rows=[(0.0, 9e37, -9e37, 9e37, 1.0), (1.0, -9e37, 9e37, -9e37, 2.0)], repeat=6, stamps="even")
+@example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 0.0)], repeat=4, stamps="even")
+@example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 2e-298)], repeat=4, stamps="even")
 @settings(
     max_examples=150,
     deadline=None,
