@@ -47,10 +47,10 @@ def middle_bins(bins: Complexes, number: Integers) -> Complexes:
     return np.asarray(bins[number] * np.where(number % 2, -1.0, 1.0))
 
 
-def phasor_at(bins: Complexes, place: float, count: int) -> complex:
-    """Return the phasor of a line at a place by the bin next to it."""
-    nearest = np.array([round(place)])
-    return complex((middle_bins(bins, nearest) / response(nearest - np.float64(place), count))[0])
+def phasors_at(bins: Complexes, place: Floats, count: int) -> Complexes:
+    """Return the phasors of lines at places, shape (n,), each by the bin next to it."""
+    nearest = np.round(place).astype(np.int64)
+    return np.asarray(middle_bins(bins, nearest) / response(nearest - place, count))
 
 
 def response(apart: Floats, count: int) -> Complexes:

@@ -22,7 +22,7 @@ from benchtool.analysis.spectra.line_models import (
     changing,
     fitted,
     middle_bins,
-    phasor_at,
+    phasors_at,
     places,
     response,
     steady,
@@ -101,13 +101,11 @@ def _without(
 ) -> Complexes:
     """Return bins of these numbers without the lines that are not near, and without all at negative
     frequencies."""
-    found, at = middle_bins(bins, number), number.astype(np.float64)
-    for each in lines:
-        own = phasor_at(bins, each.place, count)
-        if each not in near:
-            found = np.asarray(found - own * response(at - each.place, count))
-        found = np.asarray(found - np.conj(own) * response(at + each.place, count))
-    return found
+    at, place = number[:, np.newaxis], np.array([each.place for each in lines])
+    own = phasors_at(bins, place, count)
+    is_far = np.array([each not in near for each in lines])
+    far = response(at - place[is_far], count) @ own[is_far]
+    return np.asarray(middle_bins(bins, number) - far - response(at + place, count) @ np.conj(own))
 
 
 def _started(clean: Complexes, number: Integers, at: Floats, count: int) -> Floats:

@@ -6,9 +6,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.around_lines import MAIN_LOBE
-from benchtool.analysis.spectra.line_models import Complexes, middle_bins, phasor_at, response
+from benchtool.analysis.spectra.line_models import Complexes, middle_bins, phasors_at, response
 from benchtool.analysis.spectra.steadiness import Line
 
 _LOWEST, _REACH, _MARGIN = 4, 96, 12  # bins
@@ -34,10 +36,14 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
     if reach <= MAIN_LOBE or not np.any(stands_out & stands_out[::-1]):
         return line
     number = np.arange(max(1, middle - reach - _MARGIN), min(len(bins), middle + reach + _MARGIN + 1))
-    image = np.conj(phasor_at(bins, line.place, count)) * response(number + np.float64(line.place), count)
+    own = phasors_at(bins, np.array([line.place]), count)
+    image = np.conj(own) * response(number + np.float64(line.place), count)
     at = np.arange(_PLACES) / _PLACES - 0.5
-    course = np.exp(2j * np.pi * np.outer(at, number - middle)) @ (middle_bins(bins, number) - image)
-    component = np.exp(-2j * np.pi * np.outer(beside + line.place - middle, at)) @ course / _PLACES
+    # at times about the middle every other bin has the other sign
+    spread = np.zeros(_PLACES, dtype=np.complex128)
+    spread[(number - middle) % _PLACES] = _alternating(number - middle) * (middle_bins(bins, number) - image)
+    carried = fft.ifft(spread) * np.exp(-2j * np.pi * (line.place - middle) * at)
+    component = _alternating(beside) * fft.fft(carried)[beside % _PLACES]
     stands_out = (np.abs(component) > _STANDS_OUT * line.far) & (np.abs(beside) > 1)
     stands_out &= stands_out[::-1]
     if not np.any(stands_out):
@@ -58,6 +64,10 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
         unsure=f"sidebands to both sides, as of a line whose phase swings by {swing_rad:.2g} rad rms: the "
         f"amplitude is that of the line without them",
     )
+
+
+def _alternating(number: NDArray[np.int64]) -> NDArray[np.float64]:
+    return np.where(number % 2, -1.0, 1.0)
 
 
 def is_sideband(line: Line, other: Line) -> bool:
