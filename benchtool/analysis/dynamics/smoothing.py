@@ -174,7 +174,9 @@ class _Smoothed:
         Windows that differ by an outlier do not: it is noise, and the shorter follows it the more.
         """
         least = _OUTLIER * math.sqrt(float(self._noise.autocovariance[0])) * self._levels
-        even = _Smoothed(without_outliers(self._samples, least), self._noise, self._levels)
+        smooth = without_outliers(self._samples, least)
+        is_even = np.array_equal(smooth, self._samples)
+        even = self if is_even else _Smoothed(smooth, self._noise, self._levels)
         count = len(self._samples)
         most = _in_steps(np.minimum(_GROWTH[-1] * np.arange(count), count / _PART))
         ladder = np.unique(most)[:: -(_STEPS // 2)][::-1]
