@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.spectra.line_models import middle_bins
+
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
@@ -93,7 +95,7 @@ def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Sur
     if place not in peaks or 2 * len(peaks) > _MOST_UNKNOWNS * len(number):
         return None
     places = np.array([peak + interpolated(size, int(peak))[0] for peak in peaks])
-    in_the_middle = bins[number] * np.where(number % 2, -1.0, 1.0)  # there size and place are independent
+    in_the_middle = middle_bins(bins, number)  # there size and place are independent
     for _ in range(_ROUNDS):
         apart = number[:, np.newaxis] - places
         steeper = (_response(apart + _STEP) - _response(apart - _STEP)) / (2.0 * _STEP)

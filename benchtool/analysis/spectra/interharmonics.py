@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.groups import HarmonicGroups, groups_of, ratio_of
+from benchtool.analysis.spectra.line_models import as_real, dirichlet
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 Floats = NDArray[np.float64]
@@ -150,10 +151,7 @@ def _sinusoid(place: float, bins: NDArray[np.int64], count: int) -> tuple[Comple
 
 def _response(apart: Floats, count: int) -> Complex:
     """Return the mean of exp(2 pi j apart n / count) over n = 0 ... count - 1 (Dirichlet's kernel)."""
-    below = count * np.sin(np.pi * apart / count)
-    small = np.abs(below) < 1e-9
-    ratio = np.where(small, 1.0, np.sin(np.pi * apart) / np.where(small, 1.0, below))
-    return np.asarray(ratio * np.exp(1j * np.pi * apart * (count - 1.0) / count))
+    return np.asarray(dirichlet(apart, count) * np.exp(1j * np.pi * apart * (count - 1.0) / count))
 
 
 def _decay(constant: float, bins: NDArray[np.int64], count: int) -> Complex:
@@ -223,14 +221,14 @@ def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interhar
     window, begin = _window(len(bins), places, periods), places
     if 2 * len(window) < 4 * len(places):
         return None
-    measured = _as_real(bins[window])
+    measured = as_real(bins[window])
     for _ in range(_STEPS):
         table, linear = _phasors_at(places, window, measured, count)
         phasors, slopes = linear[0::2] - 1j * linear[1::2], []
         for place, phasor in zip(places, phasors, strict=True):
             above, below = (_sinusoid(float(place) + by, window, count) for by in (_SMALL, -_SMALL))
             change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
-            slopes.append(_as_real(change / (2.0 * _SMALL)))
+            slopes.append(as_real(change / (2.0 * _SMALL)))
         both = np.concatenate([table, np.stack(slopes, axis=1)], axis=1)
         step = np.linalg.lstsq(both, measured - table @ linear, rcond=None)[0][len(linear) :]
         places = places + np.clip(step, -0.5, 0.5)
@@ -248,9 +246,5 @@ def _phasors_at(
     """Return what sinusoids of unit phasors make of the bins, and the phasors fitted to these, as real
     numbers in turns with imaginary ones of the other sign."""
     both = [_sinusoid(float(place), window, count) for place in places]
-    table = np.stack([_as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
+    table = np.stack([as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
     return table, np.asarray(np.linalg.lstsq(table, measured, rcond=None)[0], dtype=np.float64)
-
-
-def _as_real(values: Complex) -> Floats:
-    return np.concatenate([values.real, values.imag])

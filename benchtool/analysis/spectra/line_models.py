@@ -44,7 +44,12 @@ class Fit:
 
 def middle_bins(bins: Complexes, number: Integers) -> Complexes:
     """Return the bins of these numbers, shape (n,), with the phase as in the middle of the record."""
-    return np.asarray(bins[number] * np.where(number % 2, -1.0, 1.0))
+    return np.asarray(bins[number] * alternating(number))
+
+
+def alternating(number: Integers) -> Floats:
+    """Return 1 for even numbers and -1 for odd ones, shape (n,)."""
+    return np.where(number % 2, -1.0, 1.0)
 
 
 def phasors_at(bins: Complexes, place: Floats, count: int) -> Complexes:
@@ -113,7 +118,7 @@ def fitted(model: Model, start: Floats, measured: Complexes, number: Integers, n
         return None
     made, slopes = model(unknowns)
     for _ in range(_STEPS):
-        left, table = _real(measured - made), _real(slopes)
+        left, table = as_real(measured - made), as_real(slopes)
         scale = np.sqrt(np.sum(table**2, axis=0))
         if not np.all(np.isfinite(scale)) or not np.all(scale > 0.0):
             return None
@@ -139,7 +144,7 @@ def _judged(
 ) -> Fit | None:
     """Return a fit with what its residual says: its sum of squares is distributed about as a multiple of
     chi-square of the degrees of freedom that its mean and variance give (Satterthwaite)."""
-    table, lag = _real(slopes), np.abs(number[:, np.newaxis] - number)
+    table, lag = as_real(slopes), np.abs(number[:, np.newaxis] - number)
     correlation = np.where(lag < len(_NEIGHBOURS), np.take(_NEIGHBOURS, np.minimum(lag, 2)), 0.0)
     of_noise = 0.5 * noise**2 * np.kron(np.eye(2), correlation)
     inverse = np.linalg.pinv(table)
@@ -153,11 +158,17 @@ def _judged(
 
 
 def _dirichlet(apart: Floats, count: int) -> Complexes:
+    return np.asarray(dirichlet(apart, count) * np.exp(1j * np.pi * apart / count))
+
+
+def dirichlet(apart: Floats, count: int) -> Floats:
+    """Return Dirichlet's kernel: the size, with its sign, of the mean of exp(2 pi j apart n / count) over n =
+    0 ... count - 1."""
     below = count * np.sin(np.pi * apart / count)
     small = np.abs(below) < 1e-9
-    ratio = np.where(small, 1.0, np.sin(np.pi * apart) / np.where(small, 1.0, below))
-    return np.asarray(ratio * np.exp(1j * np.pi * apart / count))
+    return np.asarray(np.where(small, 1.0, np.sin(np.pi * apart) / np.where(small, 1.0, below)))
 
 
-def _real(values: Complexes) -> Floats:
+def as_real(values: Complexes) -> Floats:
+    """Return real parts, and imaginary parts behind them, along the first axis."""
     return np.concatenate([values.real, values.imag])

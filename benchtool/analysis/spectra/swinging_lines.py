@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 from numpy import fft
-from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.around_lines import MAIN_LOBE
-from benchtool.analysis.spectra.line_models import Complexes, middle_bins, phasors_at, response
+from benchtool.analysis.spectra.line_models import Complexes, alternating, middle_bins, phasors_at, response
 from benchtool.analysis.spectra.steadiness import Line
 
 _LOWEST, _REACH, _MARGIN = 4, 96, 12  # bins
@@ -41,9 +40,9 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
     at = np.arange(_PLACES) / _PLACES - 0.5
     # at times about the middle every other bin has the other sign
     spread = np.zeros(_PLACES, dtype=np.complex128)
-    spread[(number - middle) % _PLACES] = _alternating(number - middle) * (middle_bins(bins, number) - image)
+    spread[(number - middle) % _PLACES] = alternating(number - middle) * (middle_bins(bins, number) - image)
     carried = fft.ifft(spread) * np.exp(-2j * np.pi * (line.place - middle) * at)
-    component = _alternating(beside) * fft.fft(carried)[beside % _PLACES]
+    component = alternating(beside) * fft.fft(carried)[beside % _PLACES]
     stands_out = (np.abs(component) > _STANDS_OUT * line.far) & (np.abs(beside) > 1)
     stands_out &= stands_out[::-1]
     if not np.any(stands_out):
@@ -64,10 +63,6 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
         unsure=f"sidebands to both sides, as of a line whose phase swings by {swing_rad:.2g} rad rms: the "
         f"amplitude is that of the line without them",
     )
-
-
-def _alternating(number: NDArray[np.int64]) -> NDArray[np.float64]:
-    return np.where(number % 2, -1.0, 1.0)
 
 
 def is_sideband(line: Line, other: Line) -> bool:

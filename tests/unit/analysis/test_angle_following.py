@@ -29,18 +29,13 @@ def amplitudes(samples: Array, angle: Array) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])
-def test_the_error_of_a_resolver_is_not_in_the_harmonics(order: int) -> None:
+@pytest.mark.parametrize(("is_of_rotor", "within"), [(False, 1e-4), (True, 6e-4)])
+def test_a_rotor_that_swings_in_every_period_is_followed_and_the_error_of_a_resolver_is_not(
+    order: int, *, is_of_rotor: bool, within: float
+) -> None:
     angle = STEADY + 0.01 * np.sin(order * STEADY + 0.3)
-    found, doubt = amplitudes(current_of(STEADY), angle)
-    assert found[[1, 2, 3, 5, 6]] == pytest.approx([1.0, 0.0, 0.0, 0.04, 0.0], abs=1e-4)
-    assert len(doubt) == 0
-
-
-@pytest.mark.parametrize("order", [1, 2, 4])
-def test_a_rotor_that_swings_in_every_period_is_followed(order: int) -> None:
-    angle = STEADY + 0.01 * np.sin(order * STEADY + 0.3)
-    found, doubt = amplitudes(current_of(angle), angle)
-    assert found[[1, 2, 3, 5, 6]] == pytest.approx([1.0, 0.0, 0.0, 0.04, 0.0], abs=6e-4)
+    found, doubt = amplitudes(current_of(angle if is_of_rotor else STEADY), angle)
+    assert found[[1, 2, 3, 5, 6]] == pytest.approx([1.0, 0.0, 0.0, 0.04, 0.0], abs=within)
     assert len(doubt) == 0
 
 
