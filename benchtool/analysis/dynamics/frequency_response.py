@@ -242,7 +242,9 @@ def local_response(
     else:
         of_steps, alike, in_common = errors_of_output_steps(r, y, of_r.response, at)
     error = np.hypot(found.error, of_steps)
-    shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / _above_zero(error**2)
+    shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / np.maximum(
+        error**2, np.finfo(np.float64).tiny
+    )
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
@@ -259,10 +261,6 @@ def local_response(
         f"{ends}{by}",
         at_rest=in_common,
     )
-
-
-def _above_zero(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.maximum(values, np.finfo(np.float64).tiny)
 
 
 def _without_input_noise(found: LocalFit, noise: InputNoise | None) -> tuple[LocalFit, NDArray[np.bool_]]:

@@ -22,7 +22,7 @@ from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_or
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.repeated_steps import repeated_steps
-from benchtool.analysis.spectra.noise import line_noise, repeated_quantisation
+from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.validity import require_unbroken
 from benchtool.block import Block
@@ -178,7 +178,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
     step = counting_step(samples)
-    by_steps = repeated_quantisation(spectrum, step, level=level_of(samples, step))[0][:count]
+    steps = converter_steps(spectrum, step, level=level_of(samples, step))
+    by_steps = repeated_quantisation(spectrum, steps)[0][:count]
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [

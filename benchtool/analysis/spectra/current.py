@@ -126,7 +126,7 @@ def current_spectrum(
     )
     in_time = apart_in_time(seen.amplitude[: coherent.periods], turns)
     errors = replace(errors, wander=np.maximum(errors.wander, in_time * harmonics(clean)[:highest]))
-    of_steps = largest_of_steps(clean, step, level, _LOW_ORDER)
+    of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     # sinusoids are as steady as the track, a decaying dc on any

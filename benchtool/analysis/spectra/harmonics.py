@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.repeated_steps import RepeatedSteps
 from benchtool.analysis.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum, wander_of_mean
 from benchtool.analysis.spectra.noise import (
     PAIRS,
+    converter_steps,
     harmonic_noise,
     line_noise,
     noise_floor,
@@ -53,6 +55,7 @@ class LineErrors:
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
     too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are
     modulated as the fundamental is have it in common, and a `trend` of the amplitude, which is no noise.
+    `steps` are the errors of a converter as of samples at equal steps of phase.
     """
 
     noise: NDArray[np.float64]
@@ -64,6 +67,7 @@ class LineErrors:
     steps2: NDArray[np.float64]
     wander: NDArray[np.float64]
     trend: AmplitudeTrend | None = None
+    steps: RepeatedSteps | None = None
 
     @property
     def standard(self) -> NDArray[np.float64]:
@@ -168,10 +172,12 @@ def line_errors(
     noise = line_noise(spectrum, spectrum.periods * order, trend)
     if turns is not None:
         turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
-    resolution, steps2 = repeated_quantisation(spectrum, step, turns, level)
-    if turns is not None:
+    steps = converter_steps(spectrum, step, level=level)
+    resolution, steps2 = repeated_quantisation(spectrum, steps)
+    if turns is not None and not (steps is not None and steps.has_noise):  # of few steps places are no matter
         # what folds to places that hardly repeat is in the noise beside the lines already
-        evenly, _ = repeated_quantisation(spectrum, step, level=level)
+        evenly = resolution
+        resolution, steps2 = repeated_quantisation(spectrum, converter_steps(spectrum, step, turns, level))
         folded2 = np.maximum(0.0, resolution**2 - evenly**2)
         folded2[:orders] = np.maximum(0.0, folded2[:orders] - noise.in_phase**2)
         resolution = np.sqrt(evenly**2 + folded2)
@@ -193,6 +199,7 @@ def line_errors(
         if trend is None
         else trend.deviation * amplitude,
         trend=trend,
+        steps=steps,
     )
 
 

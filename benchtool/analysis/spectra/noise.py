@@ -257,23 +257,37 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
     return MeanError(float(found[0]), float(len(offsets)))
 
 
-def repeated_quantisation(
+def converter_steps(
     spectrum: CoherentSpectrum,
     step: float,
     turns: NDArray[np.float64] | None = None,
     level: float | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what the steps of a quantised signal, as far as they repeat with it, do to harmonics 1, 2 ...
+) -> RepeatedSteps | None:
+    """Return the errors that a converter's steps repeat with a signal; None where there are none, or the
+    noise between the harmonics hides them.
 
-    The standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to
-    each, both of shape (harmonics,). `turns`, shape (n,), are where the samples were taken, in periods from
-    the first of the spectrum on, and `level` a value of the converter, where these are known. What is between
-    the harmonics is the noise that hides the steps.
+    `turns`, shape (n,), are where the samples were taken, in periods from the first of the spectrum on, and
+    `level` a value of the converter, where these are known.
     """
+    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
+    if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
+        return None
+    square = np.square(spectrum.amplitude)
+    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
+    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
+    mean = float(spectrum.phasor[0].real)
+    return repeated_steps(mean, lines, step, between / in_band, spectrum.samples, periods, turns, level)
+
+
+def repeated_quantisation(
+    spectrum: CoherentSpectrum, steps: RepeatedSteps | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what a converter's steps, as far as they repeat with the signal, do to harmonics 1, 2 ...: the
+    standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to each,
+    both of shape (harmonics,)."""
     lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
-    found = _steps(spectrum, step, turns, level)
     none = np.zeros(len(lines))
-    return (none, none) if found is None else found.of_lines(lines)
+    return (none, none) if steps is None else steps.of_lines(lines)
 
 
 def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
@@ -283,7 +297,7 @@ def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     Where j periods hold nearly a whole number n of samples, orders n - 1 and n + 1 of the error fold to
     lines so few bins beside the fundamental that the window does not keep them off.
     """
-    found = _steps(spectrum, step)
+    found = converter_steps(spectrum, step)
     if found is None:
         return 0.0
     whole = np.arange(1, _FOLDED + 1) * (spectrum.samples / spectrum.periods)
@@ -295,37 +309,19 @@ def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
     return math.sqrt(float(np.sum(power * moved**2)))
 
 
-def largest_of_steps(spectrum: CoherentSpectrum, step: float, level: float, below_order: float) -> float:
+def largest_of_steps(spectrum: CoherentSpectrum, steps: RepeatedSteps | None, below_order: float) -> float:
     """Return the amplitude that no line of a converter's errors below an order exceeds in 95 % of the cases.
 
     Orders above half of the rate fold down to between the harmonics: they are few lines, and no noise.
     """
-    found = _steps(spectrum, step, level=level)
-    if found is None:
+    if steps is None:
         return 0.0
     per_period = spectrum.samples / spectrum.periods
-    orders = np.arange(2, found.highest_order + 1)
+    orders = np.arange(2, steps.highest_order + 1)
     folded = np.abs(orders - np.round(orders / per_period) * per_period)
     bin_order = 1.0 / spectrum.periods
     aside = (folded > bin_order) & (np.abs(folded - 1.0) > bin_order)
-    return found.largest_at(orders[aside & (folded < below_order)], _MOSTLY)
-
-
-def _steps(
-    spectrum: CoherentSpectrum,
-    step: float,
-    turns: NDArray[np.float64] | None = None,
-    level: float | None = None,
-) -> RepeatedSteps | None:
-    """Return the errors of a converter's steps; None where there are none, or noise hides them."""
-    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
-    if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
-        return None
-    square = np.square(spectrum.amplitude)
-    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
-    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    mean = float(spectrum.phasor[0].real)
-    return repeated_steps(mean, lines, step, between / in_band, spectrum.samples, periods, turns, level)
+    return steps.largest_at(orders[aside & (folded < below_order)], _MOSTLY)
 
 
 def _lost(

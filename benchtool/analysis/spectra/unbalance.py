@@ -23,7 +23,7 @@ from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
 from benchtool.analysis.spectra.current import current_of
-from benchtool.analysis.spectra.noise import repeated_quantisation
+from benchtool.analysis.spectra.noise import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -122,7 +122,9 @@ def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.flo
         step = counting_step(samples)
         if not step > 0.0:
             continue
-        along, power = repeated_quantisation(spectrum_of(part), step, level=level_of(samples, step))
+        spectrum = spectrum_of(part)
+        steps = converter_steps(spectrum, step, level=level_of(samples, step))
+        along, power = repeated_quantisation(spectrum, steps)
         square += max(float(along[0]) ** 2, 0.5 * float(power[0]))
     return math.sqrt(square) / len(parts)
 
