@@ -163,7 +163,7 @@ def ripple_of_rows(
 def _without_periods(begins: NDArray[np.int64] | None, repeated: str = "electrical periods") -> str:
     """Return why nothing tells how much numbers scatter."""
     if begins is None:
-        return "without an angle or a current no periods are known whose scatter would tell it"
+        return "no angle, current or stated speed tells periods, whose scatter would tell it"
     return (
         f"the record has {len(begins) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
         f"scatter: record longer"

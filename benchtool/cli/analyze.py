@@ -74,7 +74,7 @@ def analyze(
         typer.Option(
             metavar="COLUMN|VALUE",
             help="With --csv: column of the mechanical speed, or a constant one with its unit "
-            "(1500rpm), which gives orders without an angle.",
+            "(1500rpm), which gives orders and periods without an angle.",
         ),
     ] = None,
     pole_pairs: Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -51,13 +52,26 @@ class Periods:
         if track is not None:
             return track.period_rows(), "electrical periods"
         if "angle" not in self.record.channels:
-            return None, ""
+            return self._at_stated_speed()
         angle = self.record.channels["angle"].name
         try:
             coverage = angle_coverage(self.record.column("angle"), angle)
         except AnalysisError:
             return None, ""
         return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
+
+    def _at_stated_speed(self) -> tuple[NDArray[np.int64] | None, str]:
+        """Return the rows at which periods begin at the constant speed that was stated, if there is one."""
+        uniform, question = self.record.uniform, self.record.question
+        if uniform is None or question.omega_m_rad_s is None:
+            return None, ""
+        step_rad = question.omega_m_rad_s / uniform.sample_rate_Hz
+        turn_rad = 2.0 * math.pi / (question.pole_pairs or 1)
+        if abs(step_rad) > 0.5 * turn_rad:
+            return None, ""
+        angle_rad = step_rad * np.arange(len(uniform.data), dtype=np.float64)
+        kind = "electrical periods" if question.pole_pairs else "revolutions"
+        return revolution_rows(angle_rad, turn_rad), f"{kind} at the stated speed"
 
     def _of_angle(self) -> PhaseTrack | None:
         """Return the electrical periods from angle and pole pairs, where both are there.

@@ -1,0 +1,67 @@
+"""Torque without an angle and a current: the periods are those of the constant speed that was stated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import Measurement
+from benchtool.tables import TableQuestion, analyze_table
+
+SPEED_RAD_S = 80.0
+MEAN_NM, RIPPLE_NM = 2.0, 0.1
+RECORDS = 24
+
+
+def numbers(
+    folder: Path, seed: int, pole_pairs: int | None, speed_rad_s: float | None
+) -> dict[str, Measurement]:
+    """Measure 1.5 s of torque with a ripple of order 6 and noise that remembers twenty rows."""
+    random = np.random.default_rng(seed)
+    time_s = np.arange(3_000) / 2_000.0
+    noise = np.convolve(random.standard_normal(len(time_s) + 99), 0.95 ** np.arange(100), "valid")
+    ripple = RIPPLE_NM * np.cos(6.0 * SPEED_RAD_S * time_s + random.uniform(0.0, 6.0))
+    path = folder / "torque.csv"
+    np.savetxt(path, np.column_stack([time_s, MEAN_NM + ripple + 0.01 * noise]), "%.9g", ",", header="t,T")
+    answer = analyze_table(
+        TableQuestion(
+            file=path,
+            time="1",
+            columns={"torque": "2"},
+            pole_pairs=pole_pairs,
+            omega_m_rad_s=speed_rad_s,
+        )
+    )
+    return {each.name: each for each in answer.measurements}
+
+
+@pytest.mark.parametrize("pole_pairs", [None, 4])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_uncertainty_of_the_mean_is_what_repeated_records_scatter_by(
+    tmp_path: Path, pole_pairs: int | None, sign: float
+) -> None:
+    errors = []
+    for seed in range(RECORDS):
+        mean = numbers(tmp_path, seed, pole_pairs, sign * SPEED_RAD_S)["torque_mean"]
+        assert mean.uncertainty is not None
+        errors.append((mean.value - MEAN_NM) / mean.uncertainty.standard)
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_ripple_has_an_uncertainty_by_the_periods_of_the_stated_speed_alone(tmp_path: Path) -> None:
+    with_speed, without = (numbers(tmp_path, 0, None, speed) for speed in (SPEED_RAD_S, None))
+    for name in ("torque_mean", "torque_ripple_rms", "torque_ripple_pp"):
+        assert with_speed[name].uncertainty is not None
+        assert without[name].uncertainty is None
+        assert "stated speed" in without[name].uncertainty_reason
+
+
+@pytest.mark.parametrize("speed_rad_s", [0.0, 1.0, 1e5])
+def test_a_speed_without_three_periods_or_with_one_in_a_row_gives_no_uncertainty(
+    tmp_path: Path, speed_rad_s: float
+) -> None:
+    found = numbers(tmp_path, 0, None, speed_rad_s)
+    assert found["torque_mean"].uncertainty is None
+    assert found["torque_mean"].uncertainty_reason
