@@ -19,12 +19,13 @@ from benchtool.analysis.orders.angle import (
     unwrapped_angle,
 )
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
+from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.repeated_steps import repeated_steps
 from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
-from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -74,12 +75,14 @@ class OrderSpectrum:
 class Revolutions:
     """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The angle wobbles about `track` by `wobble_rad`, rms; None where the speed was stated, not measured.
+    The angle is off `track` by `wobble_rad`, rms: it wobbles, or the speed is one that was `stated` and not
+    measured.
     """
 
     track: PhaseTrack
-    wobble_rad: float | None
+    wobble_rad: float
     samples: Mapping[str, CoherentSamples]
+    stated: bool = False
 
 
 def angle_of(block: Block, angle: str = "theta_m") -> NDArray[np.float64]:
@@ -116,10 +119,12 @@ def revolutions_of(
     return _along(block, channels, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
 
 
-def _along(block: Block, channels: Iterable[str], track: PhaseTrack, wobble_rad: float | None) -> Revolutions:
+def _along(
+    block: Block, channels: Iterable[str], track: PhaseTrack, wobble_rad: float, *, stated: bool = False
+) -> Revolutions:
     columns = {name: np.ascontiguousarray(block.column(name)) for name in channels}
     samples = coherent_samples_of_all(columns, block.sample_rate_Hz, track)
-    return Revolutions(track, wobble_rad, dict(zip(columns, samples, strict=True)))
+    return Revolutions(track, wobble_rad, dict(zip(columns, samples, strict=True)), stated)
 
 
 def resampled_orders(
@@ -148,12 +153,12 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
     """Return the orders of a uniformly sampled channel at a constant mechanical speed that is stated, not
     measured.
 
-    The deviation of the speed from the stated one is not in the uncertainty: an order k of a speed that is
-    off by a share x moves by k x of an order, and reads low where that is more than a quarter over the
-    record.
+    Where lines of the channel tell that the rotor turned a little faster or slower, over the record less
+    than half a bin of the largest, it is their speed; further away there are no orders (`speed_of_record`).
 
     Raises:
-        AnalysisError: a gap, a dead signal, a speed of zero, or fewer than two revolutions.
+        AnalysisError: a gap, a dead signal, a speed of zero, fewer than two revolutions, or lines of another
+            speed.
     """
     require_unbroken(block)
     omega = abs(omega_m_rad_s) / block.sample_rate_Hz
@@ -163,9 +168,16 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
             f"the record has {turns:.3g} mechanical revolutions at the stated {omega_m_rad_s:.4g} rad/s, at "
             f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
+    require_signal(block.column(channel), channel)
+    speed = speed_of_record(block, channel, omega_m_rad_s)
     source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
+    if speed.omega_m_rad_s != omega_m_rad_s:
+        source += f", {speed.omega_m_rad_s:.6g} rad/s by the lines of {channel},"
+    omega = abs(speed.omega_m_rad_s) / block.sample_rate_Hz
     track = PhaseTrack(Polynomial([0.0, omega]), len(block.data), source)
-    return _orders_on(block, channel, _along(block, (channel,), track, None))
+    # an even deviation from end to end, rms
+    off_rad = speed.standard_rad_s * len(block.data) / block.sample_rate_Hz / math.sqrt(12.0)
+    return _orders_on(block, channel, _along(block, (channel,), track, off_rad, stated=True))
 
 
 def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
@@ -187,9 +199,9 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
             for each, order in zip(amplitude, orders, strict=True)
         ]
     )
-    lost = _lost(amplitude, orders, wobble_rad or 0.0)
+    lost = _lost(amplitude, orders, wobble_rad)
     others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2)
-    about = "the speed as it was stated" if wobble_rad is None else f"{wobble_rad:.2g} rad rms of wobble"
+    about = f"{wobble_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),

@@ -62,14 +62,8 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     )
     require_signal(samples, channel)
     count = len(samples)
-    weights = spectral_window("hann", count)
-    bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
-    size = np.abs(bins)
     width_Hz = rate_Hz / count
-    step = counting_step(samples)
-    rows = [_line(bins, size, place, step) for place in (_candidates(size) if count >= _FEWEST else ())]
-    rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
-    rows = _examined(bins, count, rows)
+    rows = sinusoids_of(samples)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -117,6 +111,19 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
     return SpectralLines((frequency, amplitude), (_table(name, listed, unit, what, basis),))
+
+
+def sinusoids_of(samples: Floats) -> list[Line]:
+    """Return the ten largest sinusoids of uniformly sampled values, shape (n,), the largest first; none of
+    fewer than 64. Places are in bins of the whole record."""
+    count = len(samples)
+    if count < _FEWEST:
+        return []
+    weights = spectral_window("hann", count)
+    bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
+    size, step = np.abs(bins), counting_step(samples)
+    rows = [_line(bins, size, place, step) for place in _candidates(size)]
+    return _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])
 
 
 def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
