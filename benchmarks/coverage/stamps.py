@@ -18,6 +18,7 @@ from benchtool.tables.time_base import time_base
 FREQUENCY_HZ, RATE_HZ = 20.0, 10_000.0
 AMPLITUDE_A = 5.0
 POLE_PAIRS = 4
+_NUMBERED = 1e-12  # relative uncertainty of a rate, of stamps in equal steps by their digits alone
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,11 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measureme
     base = time_base(stamps[kept])
     if base.refusal:
         raise AnalysisError(base.refusal)
-    of_rate = Uncertainty(base.rate_relative * base.rate_Hz, "time stamps")
-    yield Measurement("sample_rate", base.rate_Hz, "Hz", "", uncertainty=of_rate), rate_Hz
+    if base.rate_relative < _NUMBERED:  # stamps that number the rows leave out their clock
+        frequency_Hz *= base.rate_Hz / rate_Hz
+    else:
+        of_rate = Uncertainty(base.rate_relative * base.rate_Hz, "time stamps")
+        yield Measurement("sample_rate", base.rate_Hz, "Hz", "", uncertainty=of_rate), rate_Hz
     missing = base.gaps
     whole = Block.from_arrays(
         base.rate_Hz,

@@ -16,6 +16,7 @@ _LARGEST_DEVIATION = 0.1  # of a step, peak to peak: a tone at a tenth of the ra
 _REPEATED_BY_RESOLUTION = 0.05  # share of equal stamps from which the resolution, not a repeat, is the cause
 _FEWEST_PER_STAMP = 2
 _ONE_COUNT = 1.0 + 1e-6
+_SUMMED = 4.0  # of what rounding does to a stamp: of stamps that are sums or products of steps
 _COARSE = 1.1  # times the resolution: what rounding alone makes stamps deviate, peak to peak, from a fit
 _REGULAR = 4  # stamps of a row less, at equal distances, are those of a rate a little lower
 _SLOPES = 50
@@ -38,7 +39,8 @@ class TimeBase:
     line, `resolution_s` the step in which stamps count (nan if there is none to be seen), `rate_relative` the
     standard uncertainty of the rate, relative to it: by the rates that rounding to the resolution allows
     (JCGM 100:2008, 4.3.7) or, of stamps that jitter more, by the scatter of the line's slope over parts of
-    the record and their correlation. Where the stamps are refused, `step_s` is the median step between
+    the record and their correlation. Stamps that are all multiples of one step show no rounding: they number
+    the rows. The clock itself is not in it. Where the stamps are refused, `step_s` is the median step between
     different ones.
     """
 
@@ -242,6 +244,8 @@ def _of_slope(
         math.sqrt(2.0) * max(float(np.std(deviation)), coarse_s / math.sqrt(12.0)) / float(np.ptp(number))
     )
     spread_s = float(np.ptp(deviation))
+    if spread_s <= _SUMMED * rounding_s:
+        return rounding_s / float(np.ptp(number))
     if coarse_s and spread_s <= _COARSE * coarse_s + rounding_s:
         # the least deviation may be of another slope, and that is then allowed too
         widest = max(_ONE_COUNT * coarse_s + 2.0 * rounding_s, spread_s)

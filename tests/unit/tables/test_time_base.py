@@ -130,12 +130,25 @@ def test_the_rate_of_coarse_stamps_is_known_to_within_its_uncertainty(
 @pytest.mark.parametrize("off", [-3e-4, -2e-5, 0.0, 4e-6, 1.3e-4])
 def test_rounded_stamps_allow_the_true_rate_and_few_others(decimals: int, off: float) -> None:
     rate_Hz = 10_000.0 * (1.0 + off)
-    base = time_base(np.round(12.0 + ROWS / rate_Hz, decimals))
+    stamps = np.round(12.0 + ROWS / rate_Hz, decimals)
+    base = time_base(stamps)
     assert base.refusal == ""
     largest = math.sqrt(3.0) * base.rate_relative  # of an even distribution
+    if np.ptp(np.diff(stamps)) < 1e-13:  # they number the rows
+        assert largest < 1e-12
+        np.testing.assert_allclose(12.0 + ROWS / base.rate_Hz, stamps, atol=1e-12)
+        return
     assert abs(base.rate_Hz / rate_Hz - 1.0) <= largest + 1e-12
     resolution_s = max(10.0**-decimals, base.resolution_s if math.isfinite(base.resolution_s) else 0.0)
     assert largest <= 2.0 * resolution_s / (len(ROWS) / rate_Hz)
+
+
+@pytest.mark.parametrize("rows", [20, 500, 5_000])
+@pytest.mark.parametrize("step_s", [1e-4, 4e-9, 0.02, 1.0 / 3.0])
+def test_stamps_of_one_step_number_the_rows_and_hide_no_other_rate(rows: int, step_s: float) -> None:
+    base = time_base(step_s * np.arange(rows, dtype=np.float64) - 0.1)
+    assert base.rate_Hz == pytest.approx(1.0 / step_s, rel=1e-5)
+    assert base.rate_relative < 1e-6 / rows
 
 
 def test_the_rate_of_stamps_that_jitter_is_known_by_all_of_them() -> None:
