@@ -17,13 +17,13 @@ from benchtool.cli import app
 from benchtool.errors import AnalysisError
 from benchtool.plan.limits import Limit, Verdict
 from benchtool.plan.model import Plan
-from benchtool.profile import Bench, Sensor
+from benchtool.profile import Bench, ReferenceClock, Sensor
 from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.report.assembly.case import remarks
 from benchtool.report.content import Grid, Text
 from benchtool.report.results import budgets_section, measurement_notes
 from benchtool.results.assessment import Assessment, assess, assess_bundle
-from benchtool.results.calibration import Calibration
+from benchtool.results.calibration import CLOCK, Calibration
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture, step_capture
@@ -244,6 +244,13 @@ def test_a_wall_time_without_a_date_judges_no_certificate() -> None:
     assert Calibration.at(bench, "yesterday").overdue(["i_a"]) == ()
     assert [each.channel for each in Calibration.at(bench, ON).overdue(["i_a", "i_b"])] == ["i_a"]
     assert Calibration.at(bench, ON).overdue(["i_b"]) == ()
+
+
+def test_a_clock_that_is_overdue_is_named() -> None:
+    bench = Bench(clock=ReferenceClock(tolerance_ppm=5.0, due=date(2026, 1, 31)))
+    (found,) = Calibration.at(bench, ON).overdue([])
+    assert found.channel == CLOCK
+    assert found.to_json()["due"] == "2026-01-31"
 
 
 def test_a_limit_is_judged_with_what_the_sensors_add() -> None:

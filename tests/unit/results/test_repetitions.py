@@ -65,6 +65,8 @@ def test_what_was_never_defined_is_null() -> None:
 
 
 def test_one_repetition_says_nothing() -> None:
+    assert Repeated("torque_mean", "Nm", 1.0, math.nan, 1).uncertainty is None
+    assert Repeated("torque_mean", "Nm", 1.0, 0.1, 2).uncertainty is not None
     assert over_repetitions(_plan(1), {}) == {}
     assert "repeated" not in RunResult(()).to_json()
 
@@ -111,6 +113,8 @@ def test_a_repetition_without_a_value_fails_the_limit_of_all(judge: str) -> None
     found = _judged(judge, [0.9, math.nan, 1.1], limit=Limit(max=2.0))
     assert found.verdict is Verdict.FAIL
     assert "1 of 3 repetitions have no value" in str(found.missed)
+    assert found.judged is not None
+    assert (found.judged.unit, found.judged.definition) == ("Nm", f"{judge} of 3 repetitions")
     plan = Plan.model_validate(_plan(2).model_dump() | {"judge": judge, "limits": {"x": Limit(max=1.0)}})
     assert RunResult((), over_repetitions(plan, {})).verdict is Verdict.FAIL
 
@@ -153,6 +157,31 @@ def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
     assert estimate.verdict is Verdict.PASS
     assert estimate.verdict_by_transducer is by_transducer
     assert ("disagreement" in estimate.to_json()) == math.isfinite(sum(shaft))
+
+
+@pytest.mark.parametrize(("in_band", "expected"), [((0.8, 1.0), 0.9), ((0.8, None), None)])
+def test_the_mean_has_that_in_the_band_of_a_transducer_where_each_has_it(
+    in_band: tuple[float | None, ...], expected: float | None
+) -> None:
+    plan = _plan(2).model_copy(
+        update={"judge": "mean", "limits": {"torque_mean": Limit(max=1.2)}, "sweep": Sweep()}
+    )
+    measured = {
+        case.name: (
+            Measurement(
+                "torque_mean",
+                1.0,
+                "Nm",
+                "mean",
+                in_common_band=None if value is None else Measurement("torque_mean", value, "Nm", "mean"),
+            ),
+        )
+        for case, value in zip(cases(plan), in_band, strict=True)
+    }
+    ((together,),) = over_repetitions(plan, measured).values()
+    assert together.judged is not None
+    found = together.judged.in_common_band
+    assert (found and (found.value, found.unit)) == (expected and (pytest.approx(expected), "Nm"))
 
 
 def test_an_error_that_lowers_every_repetition_lowers_their_mean() -> None:
