@@ -15,8 +15,9 @@ from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
     PERIODS_PER_WINDOW,
     HarmonicGroups,
+    Kind,
     group_distortion,
-    scatter_of_power,
+    ratio_of,
 )
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
@@ -118,22 +119,29 @@ def group_distortions(
     distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
     lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
     by_noise = combined(lines, "")
-    noise = None if by_noise is None else MeanError(by_noise.standard, by_noise.dof)
     of_order_1 = _relative(distortion)
+    noise = None
+    if by_noise is not None and groups is not None:
+        # windows leave out the rest of the periods
+        rest = math.sqrt(coherent.periods / (groups.windows * groups.periods_per_window))
+        noise, of_order_1 = MeanError(rest * by_noise.standard, by_noise.dof), rest * of_order_1
     # twice the mean square that a converter's steps add to the harmonics, over that of the fundamental
     steps2 = 2.0 * float(np.sum(errors.steps2[1:])) / spectrum.fundamental**2 if spectrum.fundamental else 0.0
-    for name, kind in (("current_thd_f_groups", "group"), ("current_thd_f_subgroups", "subgroup")):
+    kinds: tuple[tuple[str, Kind], ...] = (
+        ("current_thd_f_groups", "group"),
+        ("current_thd_f_subgroups", "subgroup"),
+    )
+    for name, kind in kinds:
         base = f"{kind} of order 1"
         if groups is None:
             text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after {_STANDARD}"
             reason = "four periods, and two harmonics in the band, are needed"
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
-        squares = groups.group2 if kind == "group" else groups.subgroup2
-        value = group_distortion(squares, noise, of_order_1, distortion.ratio)
-        if beside is not None:
-            others2 = beside.without.group2 if kind == "group" else beside.without.subgroup2
-            value = replace(group_distortion(others2, noise, of_order_1, distortion.ratio), ratio=value.ratio)
+        clean = groups if beside is None else beside.without
+        value = group_distortion(clean, kind, noise, of_order_1, distortion.ratio)
+        if groups.orders > 1:
+            value = replace(value, ratio=ratio_of(groups.of(kind)))
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after {_STANDARD}"
         if groups.periods_per_window < PERIODS_PER_WINDOW:
             text += (
@@ -143,18 +151,14 @@ def group_distortions(
         if math.isnan(value.ratio):
             yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
         else:
-            source = f"scatter over {groups.windows} windows, or the noise beside the lines"
-            scatter = Contribution(source, "A", value.standard, value.dof)
+            budget = list(value.budget)
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
-            of_steps = Contribution("steps of the converter that repeat", "B", added)
-            budget = [scatter, of_steps] if added else [scatter]
-            clean = groups if beside is None else beside.without
-            if of_power := scatter_of_power(clean, clean.group2 if kind == "group" else clean.subgroup2):
-                name_of_power = f"power of the noise in the {kind}s beside the lines"
-                budget.append(Contribution(name_of_power, "A", of_power, 2.0 * groups.orders))
+            if added:
+                budget.append(Contribution("steps of the converter that repeat", "B", added))
             if beside is not None:
                 phases = beside.of_groups if kind == "group" else beside.of_subgroups
                 budget.append(Contribution("phases of components between the harmonics", "B", phases))
+            source = f"noise in the harmonics, and the power beside them in {groups.windows} windows"
             uncertain = _percent(budget, source)
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter

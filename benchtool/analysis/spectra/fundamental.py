@@ -227,13 +227,14 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
+    What a bend within a period does to its phase is alike at both ends, but for how the bend varies.
     """
     marks = _marks(track, seen)
     per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
     going_on = continuation(phase_rad)
     left_rad = 0.5 * _left_of_rounds(track, seen, marks)
-    within_rad = _WITHIN * float(np.sqrt(np.mean(np.diff(track.at(marks), n=2) ** 2)))
+    within_rad = _WITHIN * float(np.std(np.diff(track.at(marks), n=2)))
     ends_rad, square = [], 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
     for rows, phases in ((marks[0], phase_rad[::-1]), (track.samples - 1.0 - marks[-1], phase_rad)):
         by = rows / per_period
@@ -254,10 +255,11 @@ def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[floa
     """Return the phase from the first to the last row by the measured angle, and its uncertainty.
 
     At either end the angle's deviation from the smooth track by a parabola through an eighth of a period; a
-    cubic in its place estimates the error of the parabola.
+    cubic in its place estimates the error of the parabola. Steps of the angle that pass there scatter about
+    it, and are in its noise; what does not, as of steps that beat with the samples, is not.
     """
     size = max(_FEWEST_AT_END, round(track.samples / (8.0 * track.periods)))
-    values, random, left_out = [], [], []
+    values, random, left_out, steps2 = [], [], [], []
     for rows in (slice(size), slice(track.samples - size, track.samples)):
         numbers = np.arange(track.samples, dtype=np.float64)[rows]
         left = measured_rad[rows] - np.asarray(track.phase(numbers))
@@ -269,10 +271,11 @@ def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[floa
         # of the end of a parabola: nine times the variance of a mean
         random.append(3.0 * noise / math.sqrt(len(numbers)))
         left_out.append(float(cubic(edge) - parabola(edge)))
+        steps2.append(max(0.0, track.resolution_rad**2 / 12.0 - noise**2))
     return values[1] - values[0], (
         Contribution("noise of the angle at both ends", "A", math.hypot(*random), 2.0 * size - 8.0),
         Contribution("bend of the angle at both ends", "B", math.hypot(*left_out)),
-        Contribution("resolution of the angle", "B", track.resolution_rad / math.sqrt(6.0)),
+        Contribution("resolution of the angle", "B", math.sqrt(sum(steps2))),
     )
 
 

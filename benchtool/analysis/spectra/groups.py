@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy import fft
@@ -13,6 +15,9 @@ from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
 from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.spectrum import CoherentSamples
+from benchtool.analysis.uncertainty import Contribution
+
+Kind = Literal["group", "subgroup"]
 
 PERIODS_PER_WINDOW = 10
 """The standard's window at 50 Hz: 200 ms there, ten periods of the machine here, however long they are."""
@@ -21,7 +26,6 @@ FEWEST_WINDOWS = 3
 """Fewest windows whose scatter says how much a number varies."""
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
-_OF_EXCESS = 0.7
 _BY_CHANCE, _RARELY = 0.1, 0.02
 _BATCH = 1 << 18  # samples transformed at a time
 
@@ -33,12 +37,14 @@ class HarmonicGroups:
     Of a window of N = `periods_per_window` periods, with C_i the rms of DFT bin i:
     group of order h: bins N h - N/2 to N h + N/2, the two ends by half of their square;
     subgroup: bins N h - 1 to N h + 1; interharmonic centred subgroup: bins N h + 2 to N (h + 1) - 2, between
-    order h and the next.
+    order h and the next. `beside2`, shape (windows, bins), are the C_i^2 without the lines, which are the
+    means of the phasors of bins N h over the windows.
     """
 
     group2: NDArray[np.float64]
     subgroup2: NDArray[np.float64]
     interharmonic2: NDArray[np.float64]
+    beside2: NDArray[np.float64]
     periods_per_window: int
 
     @property
@@ -49,14 +55,30 @@ class HarmonicGroups:
     def orders(self) -> int:
         return int(self.group2.shape[1])
 
+    def of(self, kind: Kind) -> NDArray[np.float64]:
+        """Return the squares of groups or of subgroups."""
+        return self.group2 if kind == "group" else self.subgroup2
+
+    def shares(self, kind: Kind, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how much each bin counts, shape (bins,), in a sum of the squares of all orders, each by its
+        weight, shape (orders,)."""
+        periods, found = self.periods_per_window, np.zeros(self.beside2.shape[1])
+        for offset, share in _members(kind, periods):
+            found[periods * np.arange(1, self.orders + 1) + offset] += share * weights
+        return found
+
 
 @dataclass(frozen=True)
 class GroupDistortion:
-    """A distortion as a ratio to the fundamental's group, and its standard uncertainty; nan if unknown."""
+    """A distortion as a ratio to the fundamental's group, and its budget, also of ratios."""
 
     ratio: float
-    standard: float
-    dof: float = math.nan
+    budget: tuple[Contribution, ...] = ()
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty; nan where it is not known."""
+        return math.sqrt(sum(each.standard**2 for each in self.budget))
 
 
 def harmonic_groups(
@@ -77,29 +99,46 @@ def harmonic_groups(
     table = coherent.values[: windows * size].reshape(windows, size)
     bins = (orders + 1) * periods
     squares = np.empty((windows, bins + 1))
+    lines = np.empty((windows, orders), dtype=np.complex128)
     batch = max(1, _BATCH // size)
     for start in range(0, windows, batch):
         transformed = fft.rfft(table[start : start + batch], axis=1)[:, : bins + 1]
         squares[start : start + batch] = transformed.real**2 + transformed.imag**2
+        lines[start : start + batch] = transformed[:, periods:bins:periods]
     squares *= 2.0 / size**2  # rms; dc, which would be by half of that, is in no group
-    return groups_of(squares, periods, orders)
+    found = groups_of(squares, periods, orders)
+    squares[:, periods:bins:periods] = 2.0 / size**2 * np.abs(lines - np.mean(lines, axis=0)) ** 2
+    return found
 
 
 def groups_of(squares: NDArray[np.float64], periods: int, orders: int) -> HarmonicGroups:
-    """Return the groups of squares of the rms of bins, shape (windows, bins), of windows of `periods`."""
+    """Return the groups of squares of the rms of bins, shape (windows, bins), of windows of `periods`; they
+    stand for `beside2` too."""
     at = periods * np.arange(1, orders + 1)
 
-    def total(first: int, last: int) -> NDArray[np.float64]:
+    def total(members: Iterable[tuple[int, float]]) -> NDArray[np.float64]:
         sums = np.zeros((len(squares), orders))
-        for offset in range(first, last + 1):
-            sums += squares[:, at + offset]
+        for offset, share in members:
+            sums += share * squares[:, at + offset]
         return sums
 
-    within = (periods - 1) // 2
-    group2 = total(-within, within)
-    if periods % 2 == 0:  # the bin halfway belongs to both neighbours
-        group2 += 0.5 * (squares[:, at - periods // 2] + squares[:, at + periods // 2])
-    return HarmonicGroups(group2, total(-1, 1), total(2, periods - 2), periods)
+    return HarmonicGroups(
+        total(_members("group", periods)),
+        total(_members("subgroup", periods)),
+        total((offset, 1.0) for offset in range(2, periods - 1)),
+        squares,
+        periods,
+    )
+
+
+def _members(kind: Kind, periods: int) -> Iterator[tuple[int, float]]:
+    """Yield the bins of a group from its order on, and how much of their square is in it."""
+    within = 1 if kind == "subgroup" else (periods - 1) // 2
+    for offset in range(-within, within + 1):
+        yield offset, 1.0
+    if kind == "group" and periods % 2 == 0:  # the bin halfway belongs to both neighbours
+        yield -(periods // 2), 0.5
+        yield periods // 2, 0.5
 
 
 def ratio_of(squares: NDArray[np.float64]) -> float:
@@ -108,69 +147,66 @@ def ratio_of(squares: NDArray[np.float64]) -> float:
     return math.sqrt(float(np.sum(mean[1:]) / mean[0])) if mean[0] > 0.0 else math.nan
 
 
-def scatter_of_power(groups: HarmonicGroups, squares: NDArray[np.float64]) -> float:
-    """Return the standard uncertainty of THDG or THDS of squares of rms, shape (1, orders), of one window, by
-    the power of the noise in their bins beside the lines.
+def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
+    """Return the error of THDG or THDS by what is beside the lines in the groups, or moves these.
 
-    The power of a bin of noise is distributed exponentially: it scatters by as much as it is, which the bins
-    between subgroups tell, of the orders to both sides. A mean of m of them has 1 + 1 / m times its square.
+    Of its power, less what order 1 has of it by its share, the scatter over the windows tells how well the
+    mean is known: by few degrees of freedom. The power of a bin of noise is distributed exponentially, and
+    each bin by itself: the scatter of each over the windows, in one window half of its square, tells it by
+    many bins. Both count by their degrees of freedom, unless they differ by more than chance: then the
+    scatter of all together does, because bursts are in all bins at once, and lines that beat are in few.
     """
-    between, ratio = groups.periods_per_window - 3, ratio_of(squares)
-    if len(squares) > 1 or between < 1 or not ratio > 0.0:
-        return 0.0
-    each = groups.interharmonic2[0] / between
-    around = 0.5 * (each[1:] + each[:-1])
-    bins = groups.periods_per_window - 1 if squares is groups.group2 else 2
-    square2 = bins * float(np.sum(around**2)) / (1.0 + 0.5 / between)
-    return math.sqrt(square2) / (2.0 * ratio * float(squares[0, 0]))
+    squares, power = groups.of(kind), groups.beside2
+    ratio, windows = ratio_of(squares), len(squares)
+    shares = np.full(groups.orders, 1.0)
+    shares[0] = -(ratio**2)
+    # what the power of each bin makes of the ratio
+    slopes = groups.shares(kind, shares) / (2.0 * ratio * float(np.mean(squares[:, 0])))
+    scatter2 = np.var(power, axis=0, ddof=1) if windows > 1 else 0.5 * power[0] ** 2
+    of_bins = slopes**2 * scatter2 / windows
+    square, fourth = float(np.sum(of_bins)), float(of_bins @ of_bins)
+    dof = max(1.0, 2.0 * square**2 / fourth) if fourth > 0.0 else math.inf
+    apart = MeanError(math.sqrt(square) * students_deviation(dof), dof)
+    if windows < FEWEST_WINDOWS:
+        return apart
+    each = power @ slopes
+    together = error_of_series(each)
+    if not math.isfinite(together.standard):  # they wander together: their mean is as good as one of them
+        return MeanError(min(apart.standard, float(np.std(each))), windows - 1.0)
+    return together if _exceeds(apart, together, _RARELY) else _pooled(together, apart)
 
 
 def group_distortion(
-    squares: NDArray[np.float64],
+    groups: HarmonicGroups,
+    kind: Kind,
     by_noise: MeanError | None = None,
     of_order_1: float = 0.0,
     of_lines: float = 0.0,
 ) -> GroupDistortion:
-    """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1 of squares of rms, shape (windows, orders): THDG or
-    THDS.
+    """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1: THDG or THDS.
 
-    Each Y_h^2 is the mean over the windows. The uncertainty is by the variance that two estimates have in
-    common, weighted by their degrees of freedom: `by_noise`, what the noise beside the lines makes of a ratio
-    `of_lines` alone, with `of_order_1`, the relative uncertainty of Y_1; and the scatter of the squares of
-    the orders over the windows, each taken as independent, which alone counts where it is more (F-test, one
-    in ten by chance): it is of all that is in the groups. The ratio of each window
-    scatters with what the orders have in common, but of few windows by few degrees of freedom: that counts
-    where it is more than the others explain (F-test, one in ten by chance), or so much less than the orders'
-    (one in fifty) that they share what they scatter by. What the groups have beyond the lines, whose ratio is
-    `of_lines`, then counts by 0.7 of itself: it is of few events, whose scatter few windows do not show.
+    Each Y_h^2 is the mean over the windows. What lies beside a line of the record, at k cycles over all
+    windows together, adds to it in one window and is taken off it in another, and in the mean it is gone: the
+    lines of these groups are those of the record, and have their noise, which makes of a ratio `of_lines`
+    alone `by_noise`, with `of_order_1`, the relative uncertainty of Y_1. What remains of all else is its
+    power. Where the noise is not known the ratio of each window tells both.
     """
+    squares = groups.of(kind)
     ratio, windows = ratio_of(squares), len(squares)
-    if squares.shape[1] < 2 or math.isnan(ratio):
-        return GroupDistortion(math.nan, math.nan)
-    noise = by_noise or MeanError(math.nan, math.nan)
+    if groups.orders < 2 or not ratio > 0.0:
+        return GroupDistortion(math.nan if groups.orders < 2 else ratio)
+    if by_noise is None or not math.isfinite(by_noise.standard):
+        each = np.sqrt(np.sum(squares[:, 1:], axis=1) / np.maximum(squares[:, 0], 1e-300))
+        return GroupDistortion(ratio, (error_of_series(each).line(f"scatter over {windows} windows"),))
     # what is in the groups beside the lines makes of the same noise less of a ratio
-    share = min(1.0, of_lines / ratio) if of_lines > 0.0 and ratio > 0.0 else 1.0
-    noise = MeanError(math.hypot(share * noise.standard, ratio * of_order_1), noise.dof)
-    if windows < 2 or not np.all(squares[:, 0] > 0.0) or not ratio > 0.0:
-        return GroupDistortion(ratio, noise.standard, noise.dof)
-    each = np.sqrt(np.sum(squares[:, 1:], axis=1) / squares[:, 0])
-    together = error_of_series(each) if windows >= FEWEST_WINDOWS else MeanError(math.nan, math.nan)
-    variance = np.var(squares / np.mean(squares[:, 0]), axis=0, ddof=1) / windows
-    variance[0] *= ratio**4
-    apart = math.sqrt(float(np.sum(variance))) / (2.0 * ratio)
-    fourth = float(np.sum(variance**2))
-    dof = (windows - 1) * float(np.sum(variance)) ** 2 / fourth if fourth > 0.0 else math.inf
-    dof = max(1.0, dof)
-    if math.isfinite(together.standard) and _exceeds(MeanError(apart, dof), together, _RARELY):
-        # what all orders do alike cancels
-        apart, dof = min(apart, max(together.standard, _OF_EXCESS * (ratio - of_lines))), together.dof
-    if math.isfinite(noise.standard):
-        found = _pooled(MeanError(apart, dof), noise)
-    else:
-        found = MeanError(apart * students_deviation(dof), dof)
-    if math.isfinite(together.standard) and _exceeds(together, found):
-        found = together
-    return GroupDistortion(ratio, found.standard, max(1.0, found.dof))
+    share = min(1.0, of_lines / ratio) if of_lines > 0.0 else 1.0
+    lines = math.hypot(share * by_noise.standard, ratio * of_order_1)
+    beside = power_beside_lines(groups, kind)
+    budget = (
+        Contribution("noise in the harmonics", "A", lines, by_noise.dof),
+        beside.line(f"power beside the harmonics in {windows} windows"),
+    )
+    return GroupDistortion(ratio, budget)
 
 
 def _pooled(scatter: MeanError, noise: MeanError) -> MeanError:

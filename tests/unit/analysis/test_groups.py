@@ -19,7 +19,8 @@ from benchtool.analysis import (
     track_angle,
 )
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.spectra.groups import scatter_of_power
+from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.spectra.groups import Kind, power_beside_lines
 
 RATE_HZ = 10e3
 Array = NDArray[np.float64]
@@ -120,9 +121,9 @@ def test_group_distortions_of_a_modulated_harmonic() -> None:
 
     # sidebands of a quarter each, one bin to either side: in the subgroup, where a harmonic alone has none
     expected = 0.1 * math.sqrt(1 + 2 * 0.25**2)
-    assert group_distortion(groups.subgroup2).ratio == pytest.approx(expected)
-    assert group_distortion(groups.group2).ratio == pytest.approx(expected)
-    assert group_distortion(groups.group2).standard == pytest.approx(0.0, abs=1e-9)
+    assert group_distortion(groups, "subgroup").ratio == pytest.approx(expected)
+    assert group_distortion(groups, "group").ratio == pytest.approx(expected)
+    assert group_distortion(groups, "group").standard == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_uncertainty_is_the_scatter_over_the_windows() -> None:
@@ -133,7 +134,7 @@ def test_the_uncertainty_is_the_scatter_over_the_windows() -> None:
         size = np.repeat(generator.normal(0.1, 0.02, 10), 10 * 200)
         found.append(
             group_distortion(
-                groups_of(np.cos(2 * np.pi * turns) + size * np.cos(10 * np.pi * turns), 100).group2
+                groups_of(np.cos(2 * np.pi * turns) + size * np.cos(10 * np.pi * turns), 100), "group"
             )
         )
 
@@ -153,11 +154,36 @@ def test_the_noise_in_the_groups_of_one_window_scatters_by_its_power() -> None:
     for _ in range(60):
         noise = 0.01 * lfilter([1.0], [1.0, -0.8], generator.standard_normal(1200))[200:]
         groups = groups_of(wave + noise, 5)
-        ratios.append(group_distortion(groups.group2).ratio)
-        stated.append(scatter_of_power(groups, groups.group2))
+        ratios.append(group_distortion(groups, "group").ratio)
+        stated.append(power_beside_lines(groups, "group").standard)
     assert 0.8 < np.std(ratios) / np.sqrt(np.mean(np.square(stated))) < 1.3
-    windows = groups_of(np.tile(wave, 4) + 0.01 * generator.standard_normal(4000), 20)
-    assert scatter_of_power(windows, windows.group2) == 0.0
+
+
+@pytest.mark.parametrize("kind", ["group", "subgroup"])
+def test_what_lies_beside_a_line_is_gone_in_the_mean_over_windows(kind: Kind) -> None:
+    """Sidebands of the fifth, three cycles over all windows, whose phase is random: only their power, which
+    is the same in all records, is in the distortion."""
+    generator, found = np.random.default_rng(9), []
+    turns = np.arange(60 * 200) / 200
+    for _ in range(20):
+        slow = 0.05 * np.cos(2 * np.pi * (0.05 * turns + generator.uniform()))
+        wave = np.cos(2 * np.pi * turns) + (0.1 + slow) * np.cos(10 * np.pi * turns)
+        found.append(group_distortion(groups_of(wave, 60), kind, MeanError(0.0, math.inf), 0.0, 0.1))
+    ratio, stated = (np.array([getattr(each, name) for each in found]) for name in ("ratio", "standard"))
+    assert np.ptp(ratio) < 1e-3 * np.mean(ratio)
+    assert np.max(stated) < 0.03 * np.mean(ratio)
+
+
+def test_the_power_of_noise_in_the_windows_is_known_as_well_as_it_is_repeated() -> None:
+    """Bursts: of noise in one window of six by chance, whose power is far more than that of the others."""
+    generator, ratios, stated = np.random.default_rng(10), [], []
+    wave = np.cos(2 * np.pi * np.arange(60 * 200) / 200)
+    for _ in range(80):
+        loud = np.repeat(np.where(generator.uniform(size=6) < 0.4, 0.3, 0.03), 2000)
+        groups = groups_of(wave + loud * generator.standard_normal(12000), 60)
+        ratios.append(group_distortion(groups, "group").ratio ** 2)
+        stated.append(2.0 * math.sqrt(ratios[-1]) * power_beside_lines(groups, "group").standard)
+    assert 0.6 < np.std(ratios) / np.sqrt(np.mean(np.square(stated))) < 1.3
 
 
 def test_fewer_than_four_periods_or_no_harmonic_give_no_groups() -> None:
@@ -169,7 +195,7 @@ def test_one_order_alone_has_no_distortion() -> None:
     groups = groups_of(np.cos(2 * np.pi * np.arange(20 * 5) / 5), 20)
 
     assert groups.orders == 1
-    assert math.isnan(group_distortion(groups.group2).ratio)
+    assert math.isnan(group_distortion(groups, "group").ratio)
 
 
 def test_from_samples_at_a_fixed_rate_the_groups_are_in_step_with_the_rotor() -> None:
@@ -180,7 +206,7 @@ def test_from_samples_at_a_fixed_rate_the_groups_are_in_step_with_the_rotor() ->
 
     assert groups is not None
     assert (groups.windows, groups.periods_per_window, groups.orders) == (2, 10, 20)
-    assert group_distortion(groups.subgroup2).ratio == pytest.approx(0.05, rel=1e-3)
+    assert group_distortion(groups, "subgroup").ratio == pytest.approx(0.05, rel=1e-3)
     table = group_table(groups, "current_groups", "A", Basis())
     assert table.rows[6][:3] == pytest.approx((7, 0.05 / math.sqrt(2), 0.05 / math.sqrt(2)), rel=1e-3)
     assert table.rows[6][3] < 1e-4
