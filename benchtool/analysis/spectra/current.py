@@ -134,7 +134,7 @@ def current_spectrum(
     if others is not None and groups is not None and is_like_it:
         of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
         scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
-        beside = None if of_lines is None else Beside(of_lines, *scatter)
+        beside = None if of_lines is None else Beside(cleaned, of_lines, *scatter)
     found = (
         frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
         *_refused(_lines(spectrum, clean, errors, of_steps, unit, lines), sound.of_amplitudes),

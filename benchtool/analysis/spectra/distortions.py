@@ -18,6 +18,7 @@ from benchtool.analysis.spectra.groups import (
     Kind,
     group_distortion,
     ratio_of,
+    scatter_of_begins,
 )
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
@@ -35,8 +36,10 @@ _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
 
 @dataclass(frozen=True)
 class Beside:
-    """Groups `without` what is between the harmonics, and how much its phases move the distortions."""
+    """Samples and groups `without` what is between the harmonics, and how much its phases move the
+    distortions."""
 
+    samples: CoherentSamples
     without: HarmonicGroups
     of_groups: float
     of_subgroups: float
@@ -127,6 +130,7 @@ def group_distortions(
         noise, of_order_1 = MeanError(rest * by_noise.standard, by_noise.dof), rest * of_order_1
     # twice the mean square that a converter's steps add to the harmonics, over that of the fundamental
     steps2 = 2.0 * float(np.sum(errors.steps2[1:])) / spectrum.fundamental**2 if spectrum.fundamental else 0.0
+    begins = scatter_of_begins(coherent if beside is None else beside.samples, HIGHEST_HARMONIC)
     kinds: tuple[tuple[str, Kind], ...] = (
         ("current_thd_f_groups", "group"),
         ("current_thd_f_subgroups", "subgroup"),
@@ -151,7 +155,7 @@ def group_distortions(
         if math.isnan(value.ratio):
             yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
         else:
-            budget = list(value.budget)
+            budget = [*value.budget, Contribution("phase at which windows begin", "B", begins[kind])]
             added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
             if added:
                 budget.append(Contribution("steps of the converter that repeat", "B", added))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ FEWEST_WINDOWS = 3
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _BY_CHANCE, _RARELY = 0.1, 0.02
+_BEGINS = 5  # as many tell what goes with the phase, and with twice that
 _BATCH = 1 << 18  # samples transformed at a time
 
 
@@ -174,6 +175,30 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
     if not math.isfinite(together.standard):  # they wander together: their mean is as good as one of them
         return MeanError(min(apart.standard, float(np.std(each))), windows - 1.0)
     return together if _exceeds(apart, together, _RARELY) else _pooled(together, apart)
+
+
+def scatter_of_begins(coherent: CoherentSamples, highest_harmonic: int) -> Mapping[Kind, float]:
+    """Return the standard deviation of THDG and THDS over where in a period the windows begin; 0 where none
+    is left that may begin elsewhere.
+
+    What is not the same at both ends of a window leaks, by the phase of the current there, which is the same
+    in all windows of a record: their scatter does not show it.
+    """
+    periods = min(PERIODS_PER_WINDOW, coherent.periods)
+    windows = (coherent.periods - 1) // periods
+    found: dict[Kind, list[float]] = {"group": [], "subgroup": []}
+    for number in range(_BEGINS if windows else 0):
+        begin = round(number * coherent.per_period / _BEGINS)
+        part = replace(
+            coherent,
+            values=coherent.values[begin : begin + windows * periods * coherent.per_period],
+            periods=windows * periods,
+            samples=coherent.samples * windows * periods / coherent.periods,
+        )
+        groups = harmonic_groups(part, highest_harmonic)
+        for kind, ratios in found.items():
+            ratios.append(math.nan if groups is None else ratio_of(groups.of(kind)))
+    return {kind: float(np.std(ratios)) if ratios else 0.0 for kind, ratios in found.items()}
 
 
 def group_distortion(
