@@ -20,7 +20,7 @@ from benchtool.analysis import (
 )
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.scatter import MeanError
-from benchtool.analysis.spectra.groups import Kind, power_beside_lines
+from benchtool.analysis.spectra.groups import Kind, power_beside_lines, scatter_of_begins
 
 RATE_HZ = 10e3
 Array = NDArray[np.float64]
@@ -161,12 +161,12 @@ def test_the_noise_in_the_groups_of_one_window_scatters_by_its_power() -> None:
 
 @pytest.mark.parametrize("kind", ["group", "subgroup"])
 def test_what_lies_beside_a_line_is_gone_in_the_mean_over_windows(kind: Kind) -> None:
-    """Sidebands of the fifth, three cycles over all windows, whose phase is random: only their power, which
+    """Sidebands of the fifth, two cycles over all windows, whose phase is random: only their power, which
     is the same in all records, is in the distortion."""
     generator, found = np.random.default_rng(9), []
     turns = np.arange(60 * 200) / 200
     for _ in range(20):
-        slow = 0.05 * np.cos(2 * np.pi * (0.05 * turns + generator.uniform()))
+        slow = 0.05 * np.cos(2 * np.pi * (turns / 30 + generator.uniform()))
         wave = np.cos(2 * np.pi * turns) + (0.1 + slow) * np.cos(10 * np.pi * turns)
         found.append(group_distortion(groups_of(wave, 60), kind, MeanError(0.0, math.inf), 0.0, 0.1))
     ratio, stated = (np.array([getattr(each, name) for each in found]) for name in ("ratio", "standard"))
@@ -210,3 +210,20 @@ def test_from_samples_at_a_fixed_rate_the_groups_are_in_step_with_the_rotor() ->
     table = group_table(groups, "current_groups", "A", Basis())
     assert table.rows[6][:3] == pytest.approx((7, 0.05 / math.sqrt(2), 0.05 / math.sqrt(2)), rel=1e-3)
     assert table.rows[6][3] < 1e-4
+
+
+def test_where_windows_begin_matters_where_the_current_is_another_at_both_ends() -> None:
+    turns = np.arange(41 * 200) / 200
+    wave = np.cos(2 * np.pi * turns) + 0.05 * np.cos(10 * np.pi * turns)
+    swinging = 1.0 + 0.06 * np.cos(2 * np.pi * 0.064 * turns)
+
+    steady = scatter_of_begins(samples_of(wave, 41), 50)
+    moving = scatter_of_begins(samples_of(swinging * wave, 41), 50)
+
+    assert steady["group"] < 1e-12
+    ratios = []
+    for begin in range(0, 200, 10):
+        groups = groups_of((swinging * wave)[begin : begin + 40 * 200], 40)
+        ratios.append(group_distortion(groups, "group").ratio)
+    assert moving["group"] == pytest.approx(np.std(ratios), rel=0.1)
+    assert scatter_of_begins(samples_of(wave[:2000], 10), 50) == {"group": 0.0, "subgroup": 0.0}
