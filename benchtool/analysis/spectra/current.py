@@ -359,9 +359,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f_groups",),
             "%",
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
-            "noise in the lines, as of `current_thd_f`; power beside the lines, by its scatter over the windows "
-            "and that of each bin, as two estimates of one variance unless they differ (F-test); the phase at "
-            "which windows begin; of what stands out between harmonics, its phases instead",
+            "noise in the lines, as of `current_thd_f`; power beside the lines, by its scatter over the "
+            "windows and that of each bin, as two estimates of one variance unless they differ (F-test); the "
+            "phase at which windows begin; of what stands out between harmonics, its phases instead",
         ),
         Quantity(
             ("current_thd_f_subgroups",),
