@@ -24,13 +24,13 @@ from .dynamics.step import (
 )
 from .flux_trajectory import flux_trajectory as flux_trajectory
 from .instruments import (
-    BANDWIDTH as BANDWIDTH,
     Instruments as Instruments,
     Perturbed as Perturbed,
     sensor_remarks as sensor_remarks,
 )
 from .measurement import (
     Basis as Basis,
+    Correction as Correction,
     Measurement as Measurement,
     Table as Table,
     measurements_from_json as measurements_from_json,
@@ -80,6 +80,7 @@ from .ripple import (
 )
 from .ripple_scatter import percentile_range as percentile_range
 from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
+from .sensor_corrections import BANDWIDTH as BANDWIDTH
 from .sensitivity import (
     declared as declared,
     holds as holds,

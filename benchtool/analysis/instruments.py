@@ -16,19 +16,18 @@ import numpy as np
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
-from benchtool.analysis.sensor_effects import NOT_KNOWN, lost, moved_by_lags, moved_by_steps, top_Hz
+from benchtool.analysis.sensor_corrections import Effect, bandwidth_of, corrected, without_uncertainty
+from benchtool.analysis.sensor_effects import before_the_sensors, moved_by_steps, top_Hz
+from benchtool.analysis.sensor_lag import Lag
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
-from benchtool.analysis.waveform import Waveform, in_steps, lagged, without_lag
+from benchtool.analysis.waveform import Waveform, in_steps, lagged
 from benchtool.block import Block
 from benchtool.profile import Bench, Instrument, Sensor
 
 UNSTATED: Final = "the sensors' own uncertainty is not stated"
 """Text of `Basis.sensors` for a number whose sensors the bench does not state."""
 
-BANDWIDTH: Final = "bandwidth"
-"""`InstrumentError.effect` of what a sensor's lag takes off."""
-
-_ROOT_3 = math.sqrt(3.0)
+_OF_READING = "noise is that of the reading: the sensor attenuates what comes before it"
 _FEWEST = 16  # samples that are a waveform
 _GRIDS = 0.125, 0.375, 0.625, 0.875  # where the steps of a reading may begin
 _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
@@ -74,6 +73,24 @@ MeasureAgain = Callable[[Perturbed], Iterable[Measurement]]
 
 
 @dataclass(frozen=True)
+class Moved:
+    """What sensors do to a measurement that was measured again, and why some of that is not known."""
+
+    lines: list[Contribution] = field(default_factory=list)
+    effects: list[Effect] = field(default_factory=list)
+    unknown: list[str] = field(default_factory=list)
+
+    def add(self, found: Contribution | Effect | str) -> None:
+        """Add one of them."""
+        if isinstance(found, Contribution):
+            self.lines.append(found)
+        elif isinstance(found, Effect):
+            self.effects.append(found)
+        else:
+            self.unknown.append(found)
+
+
+@dataclass(frozen=True)
 class Instruments:
     """The sensors of one recording.
 
@@ -106,41 +123,48 @@ class Instruments:
         basis states that of the sensors alone.
         """
         values = {each.name: each.value for each in measurements}
-        moved, unknown = ({}, {}) if again is None else self._moved(measurements, again)
-        return tuple(
-            self._applied(each, values, moved.get(each.name, ()), unknown.get(each.name, ()))
-            for each in measurements
-        )
+        moved = {} if again is None else self._moved(measurements, again)
+        return tuple(self._applied(each, values, moved.get(each.name, Moved())) for each in measurements)
 
     def _applied(
         self,
         each: Measurement,
         values: Mapping[str, float],
-        moved: Sequence[Contribution],
-        unknown: Sequence[str],
+        moved: Moved,
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
         found = Found(each.name, each.value, values, self.pole_pairs, self.slots)
         stated = declared(each.name)
-        lines = [*moved, *self._clock(each)]
-        remarks = [self._unstated(each.name, stated), *unknown]
+        effects = [*moved.effects, *([] if stated is None else [self._by_bandwidth(stated, found, each)])]
+        known = [effect for effect in effects if isinstance(effect, Effect)]
+        each, by_lags = corrected(each, known, proportional=stated is not None)
+        unknown = [*moved.unknown, *(effect for effect in effects if isinstance(effect, str) and effect)]
+        if unknown:
+            each = without_uncertainty(each, "; ".join(unknown))
+        lines = [*moved.lines, *by_lags, *self._clock(each)]
+        remarks = [self._unstated(each.name, stated)]
         if stated is not None:
+            found = replace(found, value=each.value)
             lines += [
                 line for part in stated.sensitivities for line in self._lines(part, stated, found, each)
             ]
-            lost, more = self._bandwidth(stated, found, each)
-            lines += lost
-            remarks += more
+            remarks.append(self._of_noise(stated))
         lines = [line for line in lines if line.standard != 0.0]
         if each.uncertainty is None:
-            remarks.append(_of_sensors_alone(lines, each.unit))
+            remarks += [*unknown, _of_sensors_alone(lines, each.unit)]
         basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
+        each = replace(each, basis=basis)
         if each.uncertainty is None:
-            return replace(each, basis=basis)
+            return each
         if not all(math.isfinite(line.standard) for line in lines):
-            return replace(each, basis=basis, uncertainty=None)
-        return replace(each, basis=basis, uncertainty=each.uncertainty.with_instruments(lines))
+            return without_uncertainty(each, "it is not found again with another error of its sensors")
+        return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
+
+    def _of_noise(self, stated: Declared) -> str:
+        """Return the remark on noise that a sensor has attenuated; empty where it does not apply."""
+        lags = [Lag.of(self._sensor(part.channel)) for part in stated.sensitivities]
+        return _OF_READING if stated.bandwidth == "noise" and any(lags) else ""
 
     def _sensor(self, channel: str) -> Sensor | None:
         return self.bench.channels.get(self._entry(channel))
@@ -206,52 +230,26 @@ class Instruments:
             )
         return self._waveforms[entry]
 
-    def _bandwidth(
-        self, stated: Declared, found: Found, each: Measurement
-    ) -> tuple[list[Contribution], list[str]]:
-        """Return what first-order sensors have taken off, and remarks where that is not known.
-
-        Nothing is corrected: u is the whole loss over sqrt(3).
-        """
-        lagging = {
-            part.channel: sensor
-            for part in stated.sensitivities
-            if (sensor := self._sensor(part.channel)) is not None and sensor.bandwidth_Hz is not None
+    def _by_bandwidth(self, stated: Declared, found: Found, each: Measurement) -> Effect | str:
+        """Return what the bandwidth of its sensors has done to a number, or why that is not known; empty if
+        there is nothing."""
+        sensors = [self._sensor(part.channel) for part in stated.sensitivities]
+        lags = [Lag.of(sensor) for sensor in sensors]
+        stating = {
+            self._entry(part.channel): sensor
+            for part, sensor, lag in zip(stated.sensitivities, sensors, lags, strict=True)
+            if sensor is not None and lag is not None
         }
-        if not lagging or stated.bandwidth == "level":
-            return [], []
+        if not stating or stated.bandwidth in ("level", "noise"):
+            return ""
         highest_Hz = top_Hz(stated, found, each)
-        if stated.bandwidth == "sequence":
-            return self._lags_of_phases(lagging, stated, found, highest_Hz)
-        lines, remarks = [], []
-        for channel, sensor in lagging.items():
-            bandwidth_Hz, waveform = sensor.bandwidth_Hz or math.inf, self._waveform(channel)
-            share, remark = lost(stated, found, highest_Hz, bandwidth_Hz, waveform)
-            entry = self._entry(channel)
-            at = f" at {highest_Hz:.4g} Hz" if stated.bandwidth == "line" else ""
-            if remark:
-                remarks.append(f"{remark} (bandwidth of {_bandwidth_of(entry, sensor)})")
-            name = f"bandwidth of {_bandwidth_of(entry, sensor)}, not corrected{at}"
-            error = _error(BANDWIDTH, entry, sensor)
-            lines.append(_signed(name, found.value * share / _ROOT_3, error))
-        return lines, remarks
-
-    def _lags_of_phases(
-        self, lagging: Mapping[str, Sensor], stated: Declared, found: Found, at_Hz: float
-    ) -> tuple[list[Contribution], list[str]]:
-        """Return what the lags of three phases together have done, as one contribution."""
-        of = ", ".join(_bandwidth_of(self._entry(channel), sensor) for channel, sensor in lagging.items())
-        turned = {channel: at_Hz / (sensor.bandwidth_Hz or math.inf) for channel, sensor in lagging.items()}
-        moved = moved_by_lags(found, [turned.get(part.channel, 0.0) for part in stated.sensitivities])
-        if not math.isfinite(moved):
-            return [], [f"{NOT_KNOWN}the frequency (bandwidth of {of})"]
-        identity = {
-            key: ", ".join(filter(None, (getattr(sensor, key) for sensor in lagging.values())))
-            for key in ("sensor", "serial_number", "certificate")
-        }
-        error = InstrumentError(BANDWIDTH, ", ".join(lagging), **identity)
-        name = f"bandwidth of {of}, not corrected at {at_Hz:.4g} Hz"
-        return [_signed(name, moved / _ROOT_3, error)], []
+        waveforms = [self._waveform(part.channel) for part in stated.sensitivities]
+        estimate = before_the_sensors(stated, found, highest_Hz, lags, waveforms)
+        if estimate is None:
+            what = "the frequency" if waveforms[0] is not None else "a record of even samples without gaps"
+            return _not_known(what, stating)
+        at = f" at {highest_Hz:.4g} Hz" if stated.line_Hz is not None else ""
+        return Effect.of_sensors(stating, at, next(filter(None, lags)).text, estimate)
 
     def _clock(self, each: Measurement) -> Iterator[Contribution]:
         clock = self.bench.clock
@@ -261,11 +259,8 @@ class Instruments:
             error = _error("period", f"{self.clock_of}'s clock", clock)
             yield _signed(f"{name}{label}", degree * each.value * clock.relative_standard, error)
 
-    def _moved(
-        self, measurements: Sequence[Measurement], again: MeasureAgain
-    ) -> tuple[dict[str, list[Contribution]], dict[str, list[str]]]:
-        """Return the contributions to measurements without declared sensitivities, and remarks on those that
-        are not known.
+    def _moved(self, measurements: Sequence[Measurement], again: MeasureAgain) -> dict[str, Moved]:
+        """Return what the sensors do to measurements without declared sensitivities, by name.
 
         Of gain and offset it is the change for one standard uncertainty either way, the larger of the two
         (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what one lag less would read, of a resolution the rms
@@ -276,25 +271,21 @@ class Instruments:
             for each in measurements
             if declared(each.name) is None and math.isfinite(each.value)
         }
-        found: dict[str, list[Contribution]] = {}
-        unknown: dict[str, list[str]] = {}
+        found = {name: Moved() for name in left}
         for channel, sensor in self.bench.channels.items():
             own = {
                 name: value
                 for name, value in left.items()
                 if channel in map(self._entry, self.rests_on(name))
             }
-            for name, line in self._of_channel(channel, sensor, own, again) if own else ():
-                if isinstance(line, str):
-                    unknown.setdefault(name, []).append(line)
-                else:
-                    found.setdefault(name, []).append(line)
-        return found, unknown
+            for name, each in self._of_channel(channel, sensor, own, again) if own else ():
+                found[name].add(each)
+        return found
 
     def _of_channel(
         self, channel: str, sensor: Sensor, values: Mapping[str, float], again: MeasureAgain
-    ) -> Iterator[tuple[str, Contribution | str]]:
-        """Yield contributions of one sensor to measurements by name, or remarks in their place."""
+    ) -> Iterator[tuple[str, Contribution | Effect | str]]:
+        """Yield contributions of one sensor to measurements by name, or why they are not known."""
 
         def read(**error: Any) -> dict[str, float]:
             return {each.name: each.value for each in again(Perturbed(channel, **error))}
@@ -308,15 +299,15 @@ class Instruments:
                 for name, value in values.items():
                     moved = _larger(up.get(name, math.nan) - value, value - down.get(name, math.nan))
                     yield name, line(channel, sensor, moved)
-        if (bandwidth_Hz := sensor.bandwidth_Hz) is not None:
-            of, lag = _bandwidth_of(channel, sensor), _error(BANDWIDTH, channel, sensor)
-            once, twice = (read(bandwidth_Hz=bandwidth_Hz, lags=lags) for lags in (1, 2))
+        if (lag := Lag.of(sensor)) is not None:
+            once, twice = (read(bandwidth_Hz=lag.bandwidth_Hz, lags=lags) for lags in (1, 2))
             for name, value in values.items():
-                true = without_lag(value, once.get(name, math.nan), twice.get(name, math.nan))
-                if math.isfinite(true):
-                    yield name, _signed(f"bandwidth of {of}, not corrected", (true - value) / _ROOT_3, lag)
+                later = once.get(name, math.nan), twice.get(name, math.nan)
+                if math.isfinite(later[0]):
+                    estimate = lag.estimate_by_lags(value, *later)
+                    yield name, Effect.of_sensors({channel: sensor}, "", lag.text, estimate)
                 else:
-                    yield name, f"{NOT_KNOWN}a number with a further lag (bandwidth of {of})"
+                    yield name, _not_known("a number with a further lag", {channel: sensor})
         if sensor.resolution and (rest := self._rest(channel, sensor)) > 0.0:
             grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
             for name, value in values.items():
@@ -371,8 +362,10 @@ def _signed(name: str, signed: float, error: InstrumentError) -> Contribution:
     return Contribution(name, "B", abs(signed), instrument=error, sign=-1 if signed < 0.0 else 1)
 
 
-def _bandwidth_of(channel: str, sensor: Sensor) -> str:
-    return f"{sensor.bandwidth_Hz:g} Hz of {_of(channel, sensor)}"
+def _not_known(without: str, sensors: Mapping[str, Sensor]) -> str:
+    """Return why a loss is not known, without what it could be computed from."""
+    of = ", ".join(bandwidth_of(channel, sensor) for channel, sensor in sensors.items())
+    return f"how much the sensor's bandwidth takes off is not known without {without} (bandwidth of {of})"
 
 
 def _of(channel: str, instrument: Instrument) -> str:

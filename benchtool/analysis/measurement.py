@@ -55,13 +55,22 @@ class Basis:
 
 
 @dataclass(frozen=True)
+class Correction:
+    """What was `added` to a value as it was read, in its unit, for a known effect `of` a sensor (JCGM
+    100:2008, 3.2.3)."""
+
+    added: float
+    of: str
+
+
+@dataclass(frozen=True)
 class Measurement:
     """One result: `definition` is a line from which the same number can be computed.
 
     `value` is nan where the quantity is undefined, and `reason` says why. `uncertainty` is None where the
     data give none. `repeatability` is by how much the value of another record of the same state differs
     besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
-    `uncertainty_reason` says why a value has no uncertainty.
+    `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
     which ends at its `basis.bandwidth_Hz`.
     """
@@ -76,6 +85,12 @@ class Measurement:
     repeatability: Contribution | None = None
     in_common_band: Measurement | None = None
     uncertainty_reason: str = ""
+    correction: Correction | None = None
+
+    @property
+    def as_read(self) -> float:
+        """The value without its correction."""
+        return self.value if self.correction is None else self.value - self.correction.added
 
     @property
     def uncertainty_of_state(self) -> Uncertainty | None:
@@ -106,6 +121,10 @@ class Measurement:
         rows = [(self.name, str(self)), ("definition", self.definition)]
         if self.uncertainty is not None:
             rows.append(("uncertainty from", self.uncertainty.source))
+        if self.correction is not None:
+            rows.append(
+                ("corrected by", f"{number(self.correction.added)} {self.unit}: {self.correction.of}")
+            )
         rows += [(key, str(value)) for key, value in self.basis.to_json().items()]
         return table_html(("measurement", "value ± U (95 %)"), rows)
 
@@ -130,18 +149,24 @@ class Measurement:
             document["uncertainty"] = self.uncertainty.to_json()
         if self.repeatability is not None:
             document["repeatability"] = self.repeatability.to_json()
+        if self.correction is not None:
+            document["correction"] = {"added": _finite(self.correction.added), "of": self.correction.of}
         return document
 
 
 @dataclass(frozen=True)
 class Table:
-    """Many numbers of one kind, such as harmonics: `columns` are (name, unit), `rows` as wide as they are."""
+    """Many numbers of one kind, such as harmonics: `columns` are (name, unit), `rows` as wide as they are.
+
+    `uncertainty_reason` says why rows have no uncertainty.
+    """
 
     name: str
     definition: str
     columns: tuple[tuple[str, str], ...]
     rows: tuple[tuple[float, ...], ...]
     basis: Basis = Basis()
+    uncertainty_reason: str = ""
 
     def _repr_html_(self) -> str:
         columns = [f">{name} in {unit}" if unit else f">{name}" for name, unit in self.columns]
@@ -150,8 +175,10 @@ class Table:
 
     def to_json(self) -> dict[str, Any]:
         """`definition`, `basis`, `columns` and `rows`; what is not finite is null."""
+        reason = {"uncertainty_reason": self.uncertainty_reason} if self.uncertainty_reason else {}
         return {
             "definition": self.definition,
+            **reason,
             "basis": self.basis.to_json(),
             "columns": [{"name": name, "unit": unit} for name, unit in self.columns],
             "rows": [[_finite(value) for value in row] for row in self.rows],
@@ -203,6 +230,7 @@ def tables_from_json(document: Mapping[str, Any]) -> tuple[Table, ...]:
 
 
 _BASIS = TypeAdapter(Basis)
+_CORRECTION = TypeAdapter(Correction | None)
 _OF_A_BUNDLE = "; undefined here: "  # what older bundles have between definition and reason
 
 
@@ -214,13 +242,14 @@ class _Column(BaseModel):
 class _Table(BaseModel):
     definition: str
     basis: Basis = Basis()
+    uncertainty_reason: str = ""
     columns: tuple[_Column, ...]
     rows: tuple[tuple[float | None, ...], ...]
 
     def read(self, name: str) -> Table:
         rows = tuple(tuple(_or(value, math.nan) for value in row) for row in self.rows)
         columns = tuple((each.name, each.unit) for each in self.columns)
-        return Table(name, self.definition, columns, rows, self.basis)
+        return Table(name, self.definition, columns, rows, self.basis, self.uncertainty_reason)
 
 
 class _Contribution(BaseModel):
@@ -266,6 +295,7 @@ def _measurement(name: str, entry: Any) -> Measurement:
                 uncertainty = None if found is None else _Uncertainty.model_validate(found).read()
                 further = entry.get("repeatability")
                 repeatability = None if further is None else _Contribution.model_validate(further).read()
+                correction = _CORRECTION.validate_python(entry.get("correction"))
             except ValidationError:
                 pass
             else:
@@ -280,6 +310,7 @@ def _measurement(name: str, entry: Any) -> Measurement:
                         reason,
                         repeatability,
                         uncertainty_reason=of_none,
+                        correction=correction,
                     )
     raise AnalysisError(
         f"measurement '{name}' is {entry!r:.80}: expected value (number or null), unit and definition "

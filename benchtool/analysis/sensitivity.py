@@ -15,9 +15,9 @@ from typing import Final, Literal
 
 from benchtool.analysis.orders.orders import machine_orders
 
-Bandwidth = Literal["level", "line", "sequence", "band", "noise", "power", "extremes"]
-"""What a number holds: a level, which a bandwidth does not touch, one line, one line of each of three phases,
-the harmonics up to some frequency each by itself, the noise between them, the power of all components
+Bandwidth = Literal["level", "line", "largest", "sequence", "band", "noise", "power", "extremes"]
+"""What a number holds: a level, which a bandwidth does not touch, one line, the largest of many, one line of
+each of three phases, the harmonics up to some frequency each by itself, the noise between them, the power of all components
 together, or their extremes.
 
 Where a signal is sampled too slowly, what is faster folds into the band: power keeps its sum, components do
@@ -243,7 +243,8 @@ def _all() -> Iterator[Declared]:
     yield Declared("fundamental_frequency|switching_frequency_mean")
     fundamental = Sensitivity("i_a", _own)
     yield Declared("current_fundamental", (fundamental,), "line", _fundamental_Hz)
-    yield Declared("current_(max_low_harmonic|tdd)", (fundamental,), "band")
+    yield Declared("current_max_low_harmonic", (fundamental,), "largest")
+    yield Declared("current_tdd", (fundamental,), "band")
     yield Declared("current_noise_(floor|density)", (fundamental,), "noise")
     yield Declared(
         r"current_thd_(r|f(_noise_corrected|_plus_noise|_groups|_subgroups)?)",

@@ -8,23 +8,15 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity
-from benchtool.analysis.waveform import (
-    Waveform,
-    by_steps,
-    lost_of_feature,
-    lost_of_harmonics,
-    lost_of_line,
-)
+from benchtool.analysis.sensor_lag import Estimate, Lag, Response, best_estimate
+from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics
 
-NOT_KNOWN: Final = "how much the sensor's bandwidth takes off is not known without "
-"""How a remark begins on a loss that cannot be computed."""
-
-_OF_READING = "noise is that of the reading: the sensor attenuates what comes before it"
-_BEYOND = "lose more than 29 % to the sensor and count only as far as they were read"
+_ROOT_3: Final = math.sqrt(3.0)
 
 
 def top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
@@ -36,45 +28,94 @@ def top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
     return math.nan if each.basis.bandwidth_Hz is None else each.basis.bandwidth_Hz
 
 
-def lost(
-    stated: Declared, found: Found, highest_Hz: float, bandwidth_Hz: float, waveform: Waveform | None
-) -> tuple[float, str]:
-    """Return what a first-order lag has taken off a number, relative to what was read, and a remark on what
-    that leaves out."""
-    if stated.bandwidth == "noise":
-        return 0.0, _OF_READING
-    if stated.bandwidth == "line":
-        known = math.isfinite(highest_Hz)
-        return (lost_of_line(highest_Hz, bandwidth_Hz), "") if known else (0.0, f"{NOT_KNOWN}the frequency")
-    if waveform is None:
-        return 0.0, f"{NOT_KNOWN}a record of even samples without gaps"
-    if stated.bandwidth == "band":
-        fundamental_Hz = found.other("fundamental_frequency")
-        share = lost_of_harmonics(
-            waveform, fundamental_Hz, highest_Hz, bandwidth_Hz, as_ratio=stated.as_ratio
-        )
-    elif stated.bandwidth == "power":
-        share = lost_of_feature(waveform, bandwidth_Hz, lambda of: of.rms)
-    else:
-        share = lost_of_feature(waveform, bandwidth_Hz, lambda of: of.peak_to_peak)
-    if not math.isfinite(share):
-        return 0.0, f"{NOT_KNOWN}a harmonic in the band"
-    beyond = math.isfinite(highest_Hz) and highest_Hz > bandwidth_Hz
-    return share, f"components from {bandwidth_Hz:g} to {highest_Hz:.4g} Hz {_BEYOND}" if beyond else ""
+def before_the_sensors(
+    stated: Declared,
+    found: Found,
+    highest_Hz: float,
+    lags: Sequence[Lag | None],
+    waveforms: Sequence[Waveform | None],
+) -> Estimate | None:
+    """Return a number as it was before the lags of its sensors; None where that cannot be told.
 
-
-def moved_by_lags(found: Found, turned: Sequence[float]) -> float:
-    """Return how far the lags of three phases move a symmetrical component, in its unit; nan if unknown.
-
-    To first order a lag turns its phase by x = f / bandwidth, of which `turned` has the three, and leaves its
-    length: of the positive sequence the mean of x is left, and |x_a + a x_b + a^2 x_c| / 3 of it is in each
-    of the others, a = exp(2j pi / 3). So equal lags leave no unbalance.
+    Without even samples it is known of the highest frequency alone, which is the most that any loses.
     """
-    positive = found.other("current_sequence_positive")
-    if found.name == "current_sequence_positive":
-        return positive * (math.hypot(1.0, sum(turned) / 3.0) - 1.0)
-    scale = 100.0 if found.name.endswith("_percent") else positive
-    return scale * abs(sum(x * cmath.exp(2j * k * math.pi / 3.0) for k, x in enumerate(turned))) / 3.0
+    if stated.bandwidth == "sequence":
+        return _sequence_before(found, highest_Hz, lags, waveforms)
+    (waveform, lag), *_ = ((each, lag) for each, lag in zip(waveforms, lags, strict=True) if lag is not None)
+    by_waveform = waveform is not None and stated.bandwidth != "line"
+    if not math.isfinite(highest_Hz) and not (by_waveform and stated.bandwidth in ("power", "extremes")):
+        return None
+    if waveform is None and stated.bandwidth != "line":
+        lag = replace(lag, tolerance=None)
+
+    def factor(response: Response) -> float:
+        if waveform is None or not by_waveform:
+            return response.enlarges(highest_Hz)
+        fundamental_Hz = found.other("fundamental_frequency")
+        match stated.bandwidth:
+            case "largest":
+                return response.enlarges(waveform.largest_Hz(fundamental_Hz, highest_Hz))
+            case "band":
+                ratio = stated.as_ratio
+                return enlarged_harmonics(waveform, fundamental_Hz, highest_Hz, response, as_ratio=ratio)
+            case "power":
+                read, before = (each.rms for each in waveform.before(response))
+            case _:
+                read, before = (each.peak_to_peak for each in waveform.before(response))
+        return before / read if read > 0.0 else 1.0
+
+    return lag.estimate(found.value, lambda response: found.value * factor(response))
+
+
+def _sequence_before(
+    found: Found, at_Hz: float, lags: Sequence[Lag | None], waveforms: Sequence[Waveform | None]
+) -> Estimate | None:
+    """Return a symmetrical component, or a ratio of two, as it was before the lags of its three phases.
+
+    Equal lags turn all phases alike, which is no unbalance; others are taken off the phasors of the recorded
+    phases. Losses of guarantees are taken as alike, errors of known bandwidths as independent: each turns
+    its phase, a third of which is in every component. None where it cannot be told.
+    """
+    alike = len(set(lags)) == 1
+    recorded = [each for each in waveforms if each is not None]
+    if not math.isfinite(at_Hz) or not (alike or len(recorded) == len(lags)):
+        return None
+    stated = [each for each in lags if each is not None]
+    if any(each.tolerance is None for each in stated):
+        lags = [each and replace(each, tolerance=None) for each in lags]
+    is_ratio = found.name.endswith("_percent")
+    phasors = [each.line(at_Hz) for each in recorded]
+
+    def before(way: int) -> float:
+        inverses = [1.0 if each is None else complex(each.responses()[way].inverse(at_Hz)) for each in lags]
+        if alike:
+            return found.value * (1.0 if is_ratio else abs(inverses[0]))
+        read = _sequence(found.name, phasors)
+        whole = _sequence(found.name, [p * each for p, each in zip(phasors, inverses, strict=True)])
+        positive = _sequence("current_sequence_positive", phasors)
+        unit = 1.0 if is_ratio else found.other("current_sequence_positive") / positive
+        return abs(found.value + unit * (whole - read))
+
+    ways = range(max(len(each.responses()) for each in stated))
+    estimate = best_estimate(found.value, [before(way) for way in ways])
+    turned = [(each.tolerance or 0.0) * at_Hz / each.bandwidth_Hz / _ROOT_3 for each in stated]
+    scale = 100.0 if is_ratio else found.other("current_sequence_positive")
+    apart = 0.0 if found.name == "current_sequence_positive" else scale * math.hypot(*turned) / 3.0
+    return Estimate(estimate.value, math.hypot(estimate.standard, apart))
+
+
+def _sequence(name: str, phasors: Sequence[complex]) -> float:
+    """Return a symmetrical component of phasors, or what it is in percent of the positive one, whichever way
+    they turn."""
+    zero, one, other = (
+        abs(sum(p * cmath.exp(2j * math.pi * k * turn / 3.0) for k, p in enumerate(phasors))) / 3.0
+        for turn in range(3)
+    )
+    positive, negative = max(one, other), min(one, other)
+    of = {"positive": positive, "negative": negative, "zero": zero}
+    if name.endswith("_percent"):
+        return 100.0 * of["zero" if "zero" in name else "negative"] / positive
+    return of[name.rpartition("_")[2]]
 
 
 def moved_by_steps(
@@ -115,6 +156,8 @@ def _feature(stated: Declared, found: Found, highest_Hz: float) -> Callable[[Wav
             return lambda of: abs(of.line(highest_Hz))
         case "sequence":
             return lambda of: of.line(highest_Hz)
+        case "largest":
+            return lambda of: abs(of.line(of.largest_Hz(fundamental_Hz, highest_Hz)))
         case "band":
             return harmonics
         case "noise":

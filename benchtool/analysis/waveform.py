@@ -16,6 +16,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.sensor_lag import Response
+
 Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]
 
@@ -23,6 +25,8 @@ _LOOKED_AT = 1 << 16  # samples
 _SETTLED = 10.0  # time constants, after which what was before the record is forgotten
 _MAIN_LOBE = 3.0  # bins of a line under a Hann window
 _PHASES = 8  # of the grid of a resolution, whose place is not known
+_STANDS_OUT = 12.0  # of the mean power of noise, which one bin of 160000 exceeds
+_AT_ENDS = 0.01  # of the samples, where the mirror image has a corner
 
 
 class Waveform:
@@ -64,6 +68,27 @@ class Waveform:
             for order in range(2, math.floor(min(top_Hz, 0.5 * self.rate_Hz) / fundamental_Hz + 1e-9) + 1):
                 yield order * fundamental_Hz, abs(self.line(order * fundamental_Hz))
 
+    def largest_Hz(self, fundamental_Hz: float, top_Hz: float) -> float:
+        """Return where the largest line up to a frequency is, other than the fundamental."""
+        of_bin_Hz = self.rate_Hz / len(self.samples)
+        size, at_Hz = np.abs(self.bins), np.arange(len(self.bins)) * of_bin_Hz
+        own = np.abs(at_Hz - fundamental_Hz) <= _MAIN_LOBE * of_bin_Hz
+        return float(at_Hz[np.argmax(np.where(own | (at_Hz > top_Hz), 0.0, size))])
+
+    def before(self, response: Response) -> tuple[Waveform, Waveform]:
+        """Return it without its ends, and the same as it was before a sensor of that response.
+
+        Bins that do not stand out of the noise stay as they are: noise of the converter was not lost.
+        """
+        count = len(self.samples)
+        transform = np.asarray(fft.rfft(np.pad(self.samples, (0, count - 2), mode="reflect")))
+        frequency_Hz = np.linspace(0.0, 0.5 * self.rate_Hz, len(transform))
+        lost = standing_out(np.abs(transform) ** 2)
+        restored = fft.irfft(np.where(lost, transform * response.inverse(frequency_Hz), transform))[:count]
+        ends = math.ceil(_AT_ENDS * count)
+        inner = slice(ends, count - ends)
+        return Waveform(self.samples[inner], self.rate_Hz), Waveform(restored[inner], self.rate_Hz)
+
     def between(self, fundamental_Hz: float) -> float:
         """Return the rms of the bins between the harmonics, in the unit of `line`."""
         order = np.arange(len(self.bins)) * (self.rate_Hz / (len(self.samples) * fundamental_Hz))
@@ -95,48 +120,31 @@ def lagged(samples: Floats, rate_Hz: float, bandwidth_Hz: float) -> Floats:
     return np.asarray(filtered[reach : reach + count])
 
 
+def standing_out(power: Floats) -> NDArray[np.bool_]:
+    """Return which bins hold more than noise, whose mean power is taken from the least quarter of all."""
+    quarter = float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
+    return np.asarray(power > _STANDS_OUT * quarter)
+
+
 def in_steps(samples: Floats, step: float, phase: float) -> Floats:
     """Return samples as read in steps, `phase` of a step being where the grid begins."""
     return np.asarray((np.round(samples / step - phase) + phase) * step)
 
 
-def without_lag(read: float, once: float, twice: float) -> float:
-    """Return what a feature would be without a lag, of what it is with it, with one more and with two more.
-
-    The parabola through the three: of a line at f it is within 0.2 % at half the bandwidth and 2.5 % low at
-    the bandwidth. The line through the first two where the third is nan.
-    """
-    return 3.0 * read - 3.0 * once + twice if math.isfinite(twice) else 2.0 * read - once
-
-
-def lost_of_feature(waveform: Waveform, bandwidth_Hz: float, feature: Callable[[Waveform], float]) -> float:
-    """Return what a sensor's lag has taken off a feature, relative to what was read; 0 if that is nothing."""
-    rate_Hz, whole = waveform.rate_Hz, waveform.samples
-    once = lagged(whole, rate_Hz, bandwidth_Hz)
-    twice = lagged(once, rate_Hz, bandwidth_Hz)
-    settling = math.ceil(2.0 * _SETTLED * rate_Hz / (2.0 * math.pi * bandwidth_Hz))
-    begin = min(settling, len(whole) // 2)
-    read, later, last = (feature(Waveform(each[begin:], rate_Hz)) for each in (whole, once, twice))
-    return without_lag(read, later, last) / read - 1.0 if read else 0.0
-
-
-def lost_of_line(frequency_Hz: float, bandwidth_Hz: float) -> float:
-    """Return what a lag has taken off the amplitude of a line, relative to what was read."""
-    return math.hypot(1.0, frequency_Hz / bandwidth_Hz) - 1.0
-
-
-def lost_of_harmonics(
-    waveform: Waveform, fundamental_Hz: float, top_Hz: float, bandwidth_Hz: float, *, as_ratio: bool
+def enlarged_harmonics(
+    waveform: Waveform, fundamental_Hz: float, top_Hz: float, response: Response, *, as_ratio: bool
 ) -> float:
-    """Return what a lag has taken off the root of the sum of squares of the harmonics, relative to what was
-    read; of their ratio to the fundamental if `as_ratio`. nan if there is no harmonic."""
+    """Return by which factor the root of the sum of squares of the harmonics was larger before a sensor; of
+    their ratio to the fundamental if `as_ratio`. Harmonics that do not stand out count as they were read."""
+    noise2 = float(np.quantile(np.abs(waveform.bins) ** 2, 0.25)) / math.log(4.0 / 3.0)
     squares = [(f, a * a) for f, a in waveform.harmonics(fundamental_Hz, top_Hz)]
     read = sum(square for _, square in squares)
-    if not read > 0.0:
-        return math.nan
-    whole = sum(square * (1.0 + (f / bandwidth_Hz) ** 2) for f, square in squares)
-    own = lost_of_line(fundamental_Hz, bandwidth_Hz) if as_ratio else 0.0
-    return math.sqrt(whole / read) / (1.0 + own) - 1.0
+    whole = sum(
+        square * (response.enlarges(f) ** 2 if square > _STANDS_OUT * noise2 else 1.0)
+        for f, square in squares
+    )
+    own = response.enlarges(fundamental_Hz) if as_ratio else 1.0
+    return math.sqrt(whole / read) / own if read > 0.0 else 1.0
 
 
 def by_steps(waveform: Waveform, step: float, feature: Feature) -> float:

@@ -73,7 +73,9 @@ class Sensor(Instrument):
     expanded uncertainty of a certificate (`gain_U_percent`, `offset_U_A`; u = U / k, 4.3.3), or as the limits
     of error of a data sheet (`gain_limit_percent`, `offset_limit_A`: a half-width, rectangular,
     u = limit / sqrt(3), 4.3.7). The gain is relative to the reading, offset and `resolution_A` are in the
-    channel's unit, in which their keys end. `bandwidth_Hz` is where a first-order sensor has lost 3 dB.
+    channel's unit, in which their keys end. `bandwidth_Hz` is where the sensor has lost 3 dB: a guarantee, unless
+    `bandwidth_tolerance_percent` states that its response is that of a first-order lag, and how well it is
+    known; its loss is corrected then.
     """
 
     gain_U_percent: NotNegative | None = None
@@ -88,6 +90,8 @@ class Sensor(Instrument):
     """Step of the reading. The key ends in the channel's unit: `resolution_A`."""
     bandwidth_Hz: Positive | None = None
     """Where the sensor, taken as a first-order lag, has lost 3 dB."""
+    bandwidth_tolerance_percent: Annotated[float, Field(ge=0, le=50)] | None = None
+    """Limits of error of the bandwidth, of a response that was found to be a first-order lag's."""
     unit: str = ""
     """Unit of the keys."""
 
@@ -125,6 +129,8 @@ class Sensor(Instrument):
                 raise ValueError(
                     f"both {of}_U and {of}_limit: state what the certificate says, or the limits"
                 )
+        if self.bandwidth_tolerance_percent is not None and self.bandwidth_Hz is None:
+            raise ValueError("bandwidth_tolerance_percent without a bandwidth_Hz: state both, or neither")
         return self
 
     @property

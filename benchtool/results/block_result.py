@@ -272,7 +272,7 @@ def _as_resolved(numbers: Sequence[Measurement], block: Block) -> Iterator[Measu
     reasons = {
         "extremes": f"the rows are {apart}, extremes between them are not seen: {remedy}",
         **dict.fromkeys(
-            ("band", "noise"),
+            ("band", "largest", "noise"),
             f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: "
             f"{remedy}",
         ),
