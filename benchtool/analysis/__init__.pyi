@@ -80,11 +80,11 @@ from .ripple import (
 )
 from .ripple_scatter import percentile_range as percentile_range
 from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
-from .sensor_corrections import BANDWIDTH as BANDWIDTH
 from .sensitivity import (
     declared as declared,
     holds as holds,
 )
+from .sensor_corrections import BANDWIDTH as BANDWIDTH
 from .spectra.current import (
     CurrentSpectrum as CurrentSpectrum,
     current_spectrum as current_spectrum,

@@ -44,8 +44,8 @@ def corrected(
 ) -> tuple[Measurement, tuple[Contribution, ...]]:
     """Return a number as it was before the sensors, and what is not known of that.
 
-    What scatters in a `proportional` number, an amplitude or a ratio of some, is enlarged as the number is. Of
-    one that a sensor may have taken almost whole the reading is left, without an uncertainty.
+    What scatters in a `proportional` number, an amplitude or a ratio of some, is enlarged as the number is.
+    Of one that a sensor may have taken almost whole the reading is left, without an uncertainty.
     """
     added = sum(each.estimate.value - read.value for each in effects)
     lines = tuple(_contribution(each, read.value) for each in effects)

@@ -1,10 +1,10 @@
 """What is known of the response of a sensor by its stated bandwidth, and the best estimate that follows.
 
 A bandwidth alone is a guarantee. Nothing is lost to a sensor that is much faster than stated, or whose
-response is flat almost up to there; most is lost to a first-order lag of just that bandwidth, and beyond it to
-a Butterworth response of second order. The best estimate is the middle (JCGM 100:2008, F.2.4.5), its standard
-uncertainty half of the interval: the largest that a distribution within limits can have, which is that of
-sensors which are at one limit or the other.
+response is flat almost up to there; most is lost to a first-order lag of just that bandwidth, and beyond it
+to a Butterworth response of second order. The best estimate is the middle (JCGM 100:2008, F.2.4.5), its
+standard uncertainty half of the interval: the largest that a distribution within limits can have, which is
+that of sensors which are at one limit or the other.
 
 Where the response was found to be that of a first-order lag, its effect is corrected, and the uncertainty is
 that of the correction by the limits of the bandwidth (6.3.1, 4.3.7).

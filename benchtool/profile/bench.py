@@ -73,9 +73,9 @@ class Sensor(Instrument):
     expanded uncertainty of a certificate (`gain_U_percent`, `offset_U_A`; u = U / k, 4.3.3), or as the limits
     of error of a data sheet (`gain_limit_percent`, `offset_limit_A`: a half-width, rectangular,
     u = limit / sqrt(3), 4.3.7). The gain is relative to the reading, offset and `resolution_A` are in the
-    channel's unit, in which their keys end. `bandwidth_Hz` is where the sensor has lost 3 dB: a guarantee, unless
-    `bandwidth_tolerance_percent` states that its response is that of a first-order lag, and how well it is
-    known; its loss is corrected then.
+    channel's unit, in which their keys end. `bandwidth_Hz` is where the sensor has lost 3 dB: a guarantee,
+    unless `bandwidth_tolerance_percent` states that its response is that of a first-order lag, and how well
+    it is known; its loss is corrected then.
     """
 
     gain_U_percent: NotNegative | None = None

@@ -180,6 +180,9 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
         yield f"No uncertainty: {measured.uncertainty_reason.rstrip('.')}."
     if measured.uncertainty is not None:
         yield from _uncertainty_notes(measured.uncertainty, f" {measured.unit}" if measured.unit else "")
+    if (correction := measured.correction) is not None:
+        read = f"{number(measured.as_read)} {measured.unit}".rstrip()
+        yield f"Corrected by {number(correction.added, 2)} from {read} as read: {correction.of}."
     if (further := measured.repeatability) is not None:
         yield (
             f"Of another record of this state, besides, u = {number(further.standard, 2)} {measured.unit}: "

@@ -89,7 +89,9 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         seen = in_common_band(estimate)
         if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        if abs(seen.value - true.value) > _of_difference(estimate, true).expanded:
+        # in its band the estimate is as the transducer reads it, and so is not corrected
+        shown = true.value if estimate.in_common_band is None else true.as_read
+        if abs(seen.value - shown) > _of_difference(estimate, true).expanded:
             verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
             yield Disagreement(estimate, true, verdict)
 

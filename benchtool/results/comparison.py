@@ -203,7 +203,7 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        reason = _other_line(one, two) or _other_order(one, two)
+        reason = _other_line(one, two) or _other_order(one, two) or _corrected_alone(one, two)
         uncertainty = None if reason else _combined(one, two)
         # where either is missing, nothing is decided
         U = math.nan if uncertainty is None else uncertainty.expanded
@@ -250,6 +250,23 @@ def _other_order(one: Measurement, two: Measurement) -> str:
     return (
         f"the largest order is {here} in the reference and {there} here: two orders, whose numbers are not "
         f"compared"
+    )
+
+
+def _corrected_alone(one: Measurement, two: Measurement) -> str:
+    """Return that one number alone is corrected for its sensors by more than the uncertainty of both; empty
+    if neither is."""
+    if (one.correction is None) == (two.correction is None):
+        return ""
+    which, correction = ("the reference", one.correction) if one.correction else ("this", two.correction)
+    uncertainty = _combined(one, two)
+    added = 0.0 if correction is None else correction.added
+    if uncertainty is not None and abs(added) <= uncertainty.expanded:
+        return ""
+    of = "" if correction is None else correction.of
+    return (
+        f"{which} alone is corrected, by {added:.4g} {one.unit} for the {of}: a number that is corrected and one "
+        f"as it was read are not compared, state the sensor's bandwidth of both runs"
     )
 
 
