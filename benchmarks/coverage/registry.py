@@ -16,6 +16,7 @@ from benchmarks.coverage import (
     mixed,
     pairs,
     revolutions,
+    sensors,
     sidebands,
     stamps,
     threes,
@@ -41,5 +42,6 @@ FAMILIES: Mapping[str, Family] = {
         *revolutions.FAMILIES,
         *lines.FAMILIES,
         *coarse.FAMILIES,
+        *sensors.FAMILIES,
     )
 }

@@ -13,12 +13,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
 from benchtool.analysis.sensor_corrections import Effect, bandwidth_of, corrected, without_uncertainty
 from benchtool.analysis.sensor_effects import before_the_sensors, moved_by_steps, top_Hz
-from benchtool.analysis.sensor_lag import Lag
+from benchtool.analysis.sensor_lag import Lag, Response
+from benchtool.analysis.sensor_tables import with_sensors
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.analysis.waveform import Waveform, in_steps, lagged
 from benchtool.block import Block
@@ -38,13 +39,13 @@ _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 class Perturbed:
     """A channel with a perturbed sensor error: (1 + gain) x reading + offset.
 
-    Or through as many more lags of `bandwidth_Hz`, or in steps of `step` whose grid begins at `phase`.
+    Or through as many more sensors of the response `by`, or in steps of `step` whose grid begins at `phase`.
     """
 
     channel: str
     gain: float = 0.0
     offset: float = 0.0
-    bandwidth_Hz: float = math.inf
+    by: Response | None = None
     lags: int = 0
     step: float = 0.0
     phase: float = 0.0
@@ -55,8 +56,9 @@ class Perturbed:
             return block
         data = np.array(block.data)
         values = self.reading(block.column(self.channel))
-        for _ in range(self.lags):
-            values = lagged(values, block.sample_rate_Hz, self.bandwidth_Hz)
+        if self.by is not None:
+            for _ in range(self.lags):
+                values = lagged(values, block.sample_rate_Hz, self.by)
         data[:, block.names.index(self.channel)] = values
         return replace(block, data=data)
 
@@ -125,6 +127,13 @@ class Instruments:
         values = {each.name: each.value for each in measurements}
         moved = {} if again is None else self._moved(measurements, again)
         return tuple(self._applied(each, values, moved.get(each.name, Moved())) for each in measurements)
+
+    def applied_to(self, tables: Iterable[Table], measurements: Iterable[Measurement]) -> tuple[Table, ...]:
+        """Return tables with the errors of their sensors, beside the measurements of the same record."""
+        values = {each.name: each.value for each in measurements}
+        return tuple(
+            with_sensors(each, values, lambda row, of: self._applied(row, of, Moved())) for each in tables
+        )
 
     def _applied(
         self,
@@ -300,11 +309,11 @@ class Instruments:
                     moved = _larger(up.get(name, math.nan) - value, value - down.get(name, math.nan))
                     yield name, line(channel, sensor, moved)
         if (lag := Lag.of(sensor)) is not None:
-            once, twice = (read(bandwidth_Hz=lag.bandwidth_Hz, lags=lags) for lags in (1, 2))
+            again_by = [[read(by=by, lags=lags) for lags in (1, 2)] for by in lag.once_more]
             for name, value in values.items():
-                later = once.get(name, math.nan), twice.get(name, math.nan)
-                if math.isfinite(later[0]):
-                    estimate = lag.estimate_by_lags(value, *later)
+                later = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in again_by]
+                if all(math.isfinite(once) for once, _ in later):
+                    estimate = lag.estimate_by_lags(value, later)
                     yield name, Effect.of_sensors({channel: sensor}, "", lag.text, estimate)
                 else:
                     yield name, _not_known("a number with a further lag", {channel: sensor})

@@ -17,8 +17,8 @@ from benchtool.analysis.orders.orders import machine_orders
 
 Bandwidth = Literal["level", "line", "largest", "sequence", "band", "noise", "power", "extremes"]
 """What a number holds: a level, which a bandwidth does not touch, one line, the largest of many, one line of
-each of three phases, the harmonics up to some frequency each by itself, the noise between them, the power of all components
-together, or their extremes.
+each of three phases, the harmonics up to some frequency each by itself, the noise between them, the power of
+all components together, or their extremes.
 
 Where a signal is sampled too slowly, what is faster folds into the band: power keeps its sum, components do
 not keep their places, and extremes are missed.
@@ -183,6 +183,11 @@ def _fundamental_Hz(found: Found) -> float:
     return found.other("fundamental_frequency")
 
 
+def _harmonic_Hz(found: Found) -> float:
+    """Return the frequency of a row of the table of harmonics."""
+    return int(found.name.rpartition("_")[2]) * _fundamental_Hz(found)
+
+
 def _other(name: str, factor: float) -> Derivative:
     return lambda found: factor * found.other(name)
 
@@ -243,6 +248,7 @@ def _all() -> Iterator[Declared]:
     yield Declared("fundamental_frequency|switching_frequency_mean")
     fundamental = Sensitivity("i_a", _own)
     yield Declared("current_fundamental", (fundamental,), "line", _fundamental_Hz)
+    yield Declared(r"current_harmonic_[1-9]\d*", (fundamental,), "line", _harmonic_Hz)
     yield Declared("current_max_low_harmonic", (fundamental,), "largest")
     yield Declared("current_tdd", (fundamental,), "band")
     yield Declared("current_noise_(floor|density)", (fundamental,), "noise")

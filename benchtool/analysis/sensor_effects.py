@@ -13,7 +13,7 @@ from typing import Final
 
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity
-from benchtool.analysis.sensor_lag import Estimate, Lag, Response, best_estimate
+from benchtool.analysis.sensor_lag import Estimate, Lag, Response
 from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics
 
 _ROOT_3: Final = math.sqrt(3.0)
@@ -64,7 +64,7 @@ def before_the_sensors(
                 read, before = (each.peak_to_peak for each in waveform.before(response))
         return before / read if read > 0.0 else 1.0
 
-    return lag.estimate(found.value, lambda response: found.value * factor(response))
+    return lag.estimate(found.value, [found.value * factor(each) for each in lag.responses])
 
 
 def _sequence_before(
@@ -83,11 +83,12 @@ def _sequence_before(
     stated = [each for each in lags if each is not None]
     if any(each.tolerance is None for each in stated):
         lags = [each and replace(each, tolerance=None) for each in lags]
+    slowest = min((each for each in lags if each is not None), key=lambda each: each.bandwidth_Hz)
     is_ratio = found.name.endswith("_percent")
     phasors = [each.line(at_Hz) for each in recorded]
 
     def before(way: int) -> float:
-        inverses = [1.0 if each is None else complex(each.responses()[way].inverse(at_Hz)) for each in lags]
+        inverses = [1.0 if each is None else complex(each.responses[way].inverse(at_Hz)) for each in lags]
         if alike:
             return found.value * (1.0 if is_ratio else abs(inverses[0]))
         read = _sequence(found.name, phasors)
@@ -96,8 +97,7 @@ def _sequence_before(
         unit = 1.0 if is_ratio else found.other("current_sequence_positive") / positive
         return abs(found.value + unit * (whole - read))
 
-    ways = range(max(len(each.responses()) for each in stated))
-    estimate = best_estimate(found.value, [before(way) for way in ways])
+    estimate = slowest.estimate(found.value, [before(way) for way in range(len(slowest.responses))])
     turned = [(each.tolerance or 0.0) * at_Hz / each.bandwidth_Hz / _ROOT_3 for each in stated]
     scale = 100.0 if is_ratio else found.other("current_sequence_positive")
     apart = 0.0 if found.name == "current_sequence_positive" else scale * math.hypot(*turned) / 3.0

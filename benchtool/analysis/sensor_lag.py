@@ -1,10 +1,10 @@
 """What is known of the response of a sensor by its stated bandwidth, and the best estimate that follows.
 
-A bandwidth alone is a guarantee. Nothing is lost to a sensor that is much faster than stated, or whose
-response is flat almost up to there; most is lost to a first-order lag of just that bandwidth, and beyond it
-to a Butterworth response of second order. The best estimate is the middle (JCGM 100:2008, F.2.4.5), its
-standard uncertainty half of the interval: the largest that a distribution within limits can have, which is
-that of sensors which are at one limit or the other.
+A bandwidth alone is a guarantee: nothing is lost to a sensor that is much faster than stated, and as much as
+to a first-order lag or to a Butterworth response of second order to one that has lost 3 dB just there. The
+best estimate is the middle of all three (JCGM 100:2008, F.2.4.5), its standard uncertainty half of the
+interval: the largest that a distribution within limits can have, which is that of sensors that are at one
+limit or the other.
 
 Where the response was found to be that of a first-order lag, its effect is corrected, and the uncertainty is
 that of the correction by the limits of the bandwidth (6.3.1, 4.3.7).
@@ -13,30 +13,31 @@ that of the correction by the limits of the bandwidth (6.3.1, 4.3.7).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.profile import Sensor
 
+Floats = NDArray[np.float64]
+
 _ROOT_3: Final = math.sqrt(3.0)
 
 
 @dataclass(frozen=True)
 class Response:
-    """A first-order lag that has lost 3 dB at `bandwidth_Hz`; `at_most` is the greatest loss within a
-    guarantee."""
+    """A response that has lost 3 dB at `bandwidth_Hz`: a first-order lag, or a Butterworth one of order 2."""
 
     bandwidth_Hz: float
-    at_most: bool = False
+    order: Literal[1, 2] = 1
 
-    def inverse(self, frequency_Hz: NDArray[np.float64] | float) -> NDArray[np.complex128]:
+    def inverse(self, frequency_Hz: Floats | float) -> NDArray[np.complex128]:
         """Return what makes a line that was read at a frequency what it was before the sensor."""
-        x = np.abs(frequency_Hz) / self.bandwidth_Hz
-        return np.asarray(1.0 + 1j * (np.maximum(x, x**2) if self.at_most else x))
+        s = 1j * np.asarray(frequency_Hz) / self.bandwidth_Hz
+        return np.asarray(1.0 + s if self.order == 1 else 1.0 + math.sqrt(2.0) * s + s**2)
 
     def enlarges(self, frequency_Hz: float) -> float:
         """Return the magnitude of the inverse."""
@@ -73,37 +74,42 @@ class Lag:
             return "a guarantee, half of what it may have taken off is corrected"
         return f"known within {100.0 * self.tolerance:g} %, corrected"
 
+    @property
     def responses(self) -> tuple[Response, ...]:
-        """Return the greatest loss of a guarantee, or the response that is known and both of its limits."""
+        """Both that a guarantee allows, or the one that is known and those at its limits."""
         if self.tolerance is None:
-            return (Response(self.bandwidth_Hz, at_most=True),)
-        return tuple(
-            Response(self.bandwidth_Hz * (1.0 + by)) for by in (0.0, -self.tolerance, self.tolerance)
-        )
+            return Response(self.bandwidth_Hz), Response(self.bandwidth_Hz, order=2)
+        factors = 1.0, 1.0 - self.tolerance, 1.0 + self.tolerance
+        return tuple(Response(self.bandwidth_Hz * by) for by in factors)
 
-    def estimate(self, read: float, before: Callable[[Response], float]) -> Estimate:
-        """Return the estimate of a number, of which `before` tells what it was before a response."""
-        return best_estimate(read, [before(each) for each in self.responses()])
+    def estimate(self, read: float, before: Sequence[float]) -> Estimate:
+        """Return the estimate of a number by what it was before each of `responses`."""
+        if self.tolerance is None:
+            least, greatest = min(read, *before), max(read, *before)
+            return Estimate(0.5 * (least + greatest), 0.5 * (greatest - least))
+        whole, low, high = before
+        return Estimate(whole, 0.5 * abs(high - low) / _ROOT_3)
 
-    def estimate_by_lags(self, read: float, once: float, twice: float) -> Estimate:
+    def estimate_by_lags(self, read: float, later: Sequence[tuple[float, float]]) -> Estimate:
         """Return the estimate of a number that hangs on the waveform, of what it is with one and with two
-        further lags; nan where it is not found with one.
+        further such sensors, for each of `once_more`; nan where it is not found with one.
 
-        Where lags add up it is the parabola through the three: of a line at f within 0.2 % at half the
-        bandwidth and 2.5 % low at the bandwidth. By how much that differs from the straight line through
+        Where losses add up it is the parabola through the three: of a line behind a lag within 0.2 % at half
+        the bandwidth and 2.5 % low at the bandwidth. By how much that differs from the straight line through
         the first two enters besides. Of limits of the bandwidth a loss has at most the square.
         """
-        straight = 2.0 * read - once
-        whole = 3.0 * read - 3.0 * once + twice if math.isfinite(twice) else straight
-        lost, bent = abs(whole - read), abs(whole - straight)
-        if self.tolerance is None:
-            return Estimate(0.5 * (read + whole), math.hypot(0.5 * lost, bent))
-        return Estimate(whole, math.hypot(2.0 * self.tolerance * lost / _ROOT_3, bent))
+        straight = [2.0 * read - once for once, _ in later]
+        whole = [
+            line if math.isnan(twice) else 3.0 * read - 3.0 * once + twice
+            for line, (once, twice) in zip(straight, later, strict=True)
+        ]
+        bent = max(abs(a - b) for a, b in zip(straight, whole, strict=True))
+        if self.tolerance is not None:
+            return Estimate(whole[0], math.hypot(2.0 * self.tolerance * (whole[0] - read) / _ROOT_3, bent))
+        middle = self.estimate(read, whole)
+        return Estimate(middle.value, math.hypot(middle.standard, bent))
 
-
-def best_estimate(read: float, before: Sequence[float]) -> Estimate:
-    """Return the estimate of a number by what it was before each of `Lag.responses`."""
-    whole, *limits = before
-    if not limits:
-        return Estimate(0.5 * (read + whole), 0.5 * abs(whole - read))
-    return Estimate(whole, 0.5 * abs(limits[1] - limits[0]) / _ROOT_3)
+    @property
+    def once_more(self) -> tuple[Response, ...]:
+        """The responses with which a recording is measured again."""
+        return self.responses if self.tolerance is None else self.responses[:1]

@@ -26,7 +26,6 @@ _SETTLED = 10.0  # time constants, after which what was before the record is for
 _MAIN_LOBE = 3.0  # bins of a line under a Hann window
 _PHASES = 8  # of the grid of a resolution, whose place is not known
 _STANDS_OUT = 12.0  # of the mean power of noise, which one bin of 160000 exceeds
-_AT_ENDS = 0.01  # of the samples, where the mirror image has a corner
 
 
 class Waveform:
@@ -76,18 +75,19 @@ class Waveform:
         return float(at_Hz[np.argmax(np.where(own | (at_Hz > top_Hz), 0.0, size))])
 
     def before(self, response: Response) -> tuple[Waveform, Waveform]:
-        """Return it without its ends, and the same as it was before a sensor of that response.
+        """Return its inner half, and the same as it was before a sensor of that response.
 
-        Bins that do not stand out of the noise stay as they are: noise of the converter was not lost.
+        Bins that do not stand out of the noise stay as they are: noise of the converter was not lost. Under
+        a Hann window a line is in few bins, and is divided by the window afterwards.
         """
         count = len(self.samples)
-        transform = np.asarray(fft.rfft(np.pad(self.samples, (0, count - 2), mode="reflect")))
-        frequency_Hz = np.linspace(0.0, 0.5 * self.rate_Hz, len(transform))
-        lost = standing_out(np.abs(transform) ** 2)
-        restored = fft.irfft(np.where(lost, transform * response.inverse(frequency_Hz), transform))[:count]
-        ends = math.ceil(_AT_ENDS * count)
-        inner = slice(ends, count - ends)
-        return Waveform(self.samples[inner], self.rate_Hz), Waveform(restored[inner], self.rate_Hz)
+        inverse = response.inverse(np.arange(len(self.bins)) * (self.rate_Hz / count))
+        power = np.abs(self.bins) ** 2
+        lost = np.where(power > _least_of_lines(power), self.bins * (inverse - 1.0), 0.0)
+        inner = slice(count // 4, count - count // 4)
+        added = fft.irfft(lost, count)[inner] / np.hanning(count)[inner]
+        read = self.samples[inner]
+        return Waveform(read, self.rate_Hz), Waveform(read + added, self.rate_Hz)
 
     def between(self, fundamental_Hz: float) -> float:
         """Return the rms of the bins between the harmonics, in the unit of `line`."""
@@ -106,17 +106,46 @@ class Waveform:
         return self._in_steps[step]
 
 
-def lagged(samples: Floats, rate_Hz: float, bandwidth_Hz: float) -> Floats:
-    """Return what a first-order lag that has lost 3 dB at `bandwidth_Hz` makes of samples, shape (n,).
+def lagged(samples: Floats, rate_Hz: float, by: Response) -> Floats:
+    """Return what a further sensor of that response makes of samples, shape (n,).
 
     By its frequency response. Before the first and past the last the samples go on as in a mirror, which
     keeps their mean, until the lag has forgotten.
     """
     count = len(samples)
-    reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * bandwidth_Hz)))
+    reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
     extended = np.pad(samples, reach, mode="reflect")
-    response = 1.0 / (1.0 + 1j * fft.rfftfreq(len(extended), 1.0 / rate_Hz) / bandwidth_Hz)
-    filtered = fft.irfft(fft.rfft(extended) * response, len(extended))
+    inverse = by.inverse(np.arange(len(extended) // 2 + 1) * (rate_Hz / len(extended)))
+    filtered = fft.irfft(fft.rfft(extended) / inverse, len(extended))
+    return np.asarray(filtered[reach : reach + count])
+
+
+def _least_of_lines(power: Floats) -> float:
+    """Return the power above which a bin holds more than noise, whose mean is taken from the least quarter of
+    all bins."""
+    return _STANDS_OUT * float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
+
+
+def in_steps(self, step: float) -> tuple[Waveform, ...]:
+    """Return it as read in steps, for eight places of their grid."""
+    if step not in self._in_steps:
+        self._in_steps[step] = tuple(
+            Waveform(in_steps(self.samples, step, (k + 0.5) / _PHASES), self.rate_Hz) for k in range(_PHASES)
+        )
+    return self._in_steps[step]
+
+
+def lagged(samples: Floats, rate_Hz: float, by: Response) -> Floats:
+    """Return what a further sensor of that response makes of samples, shape (n,).
+
+    By its frequency response. Before the first and past the last the samples go on as in a mirror, which
+    keeps their mean, until the lag has forgotten.
+    """
+    count = len(samples)
+    reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
+    extended = np.pad(samples, reach, mode="reflect")
+    inverse = by.inverse(np.arange(len(extended) // 2 + 1) * (rate_Hz / len(extended)))
+    filtered = fft.irfft(fft.rfft(extended) / inverse, len(extended))
     return np.asarray(filtered[reach : reach + count])
 
 
@@ -136,13 +165,10 @@ def enlarged_harmonics(
 ) -> float:
     """Return by which factor the root of the sum of squares of the harmonics was larger before a sensor; of
     their ratio to the fundamental if `as_ratio`. Harmonics that do not stand out count as they were read."""
-    noise2 = float(np.quantile(np.abs(waveform.bins) ** 2, 0.25)) / math.log(4.0 / 3.0)
-    squares = [(f, a * a) for f, a in waveform.harmonics(fundamental_Hz, top_Hz)]
-    read = sum(square for _, square in squares)
-    whole = sum(
-        square * (response.enlarges(f) ** 2 if square > _STANDS_OUT * noise2 else 1.0)
-        for f, square in squares
-    )
+    lines = np.array(list(waveform.harmonics(fundamental_Hz, top_Hz))).reshape(-1, 2).T
+    squares, least = lines[1] ** 2, _least_of_lines(np.abs(waveform.bins) ** 2)
+    factors = np.where(squares > least, np.abs(response.inverse(lines[0])) ** 2, 1.0)
+    read, whole = float(np.sum(squares)), float(np.sum(factors * squares))
     own = response.enlarges(fundamental_Hz) if as_ratio else 1.0
     return math.sqrt(whole / read) / own if read > 0.0 else 1.0
 

@@ -155,8 +155,9 @@ def tables_section(tables: Sequence[Table]) -> Section | None:
 
 
 def _table(table: Table) -> Iterator[Item]:
-    basis = basis_text(table.basis)
-    yield Text(_sentence(table.definition) + (f" {basis}" if basis else ""), "note")
+    reason = table.uncertainty_reason.rstrip(".")
+    notes = basis_text(table.basis), f"Without uncertainty: {reason}." if reason else ""
+    yield Text(" ".join((_sentence(table.definition), *filter(None, notes))), "note")
     headings = [f">{name} ({unit})" if unit else f">{name}" for name, unit in table.columns]
     if table.rows:
         rows = [tuple(number(value) for value in row) for row in table.rows]

@@ -363,7 +363,7 @@ def assess(
         capture,
         transducer,
         steady_state_of(answers.findings) if plan.analyses.steady and not refusal else None,
-        answers.tables,
+        instruments.applied_to(answers.tables, answers.measurements),
         answers.findings,
         answers.without,
         seen.parameter_check,

@@ -60,6 +60,7 @@ class BlockResult:
         findings: what each analysis found, by its name.
         without: titles of the analyses for which channels are missing, with these.
         overdue: the instruments whose calibration was due before the recording.
+        tables: spectra, orders and other tables, in the order of the analyses.
     """
 
     block: Block
@@ -68,6 +69,7 @@ class BlockResult:
     findings: Mapping[str, Findings]
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     overdue: tuple[Overdue, ...] = ()
+    tables: tuple[Table, ...] = ()
 
     def __getitem__(self, name: str) -> Measurement:
         """Return the measurement of that name.
@@ -104,11 +106,6 @@ class BlockResult:
             for name, found in self.findings.items()
             if not found.measurements or any(math.isfinite(each.value) for each in found.measurements)
         }
-
-    @property
-    def tables(self) -> tuple[Table, ...]:
-        """Spectra, orders and other tables, in the order of the analyses."""
-        return tuple(each for found in self.findings.values() for each in found.tables)
 
     @property
     def steady(self) -> SteadyState:
@@ -224,8 +221,15 @@ def analyze_block(
         applied, block, transducer, lambda narrow: todo(narrow, transducer), instruments
     )
     names = (name for each in blocks for name in each.names)
+    tables = (each for findings in found.values() for each in findings.tables)
     return BlockResult(
-        block, transducer, measurements, found, without_channels(here), calibration.overdue(names)
+        block,
+        transducer,
+        measurements,
+        found,
+        without_channels(here),
+        calibration.overdue(names),
+        instruments.applied_to(tables, numbers),
     )
 
 

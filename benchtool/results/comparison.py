@@ -265,8 +265,8 @@ def _corrected_alone(one: Measurement, two: Measurement) -> str:
         return ""
     of = "" if correction is None else correction.of
     return (
-        f"{which} alone is corrected, by {added:.4g} {one.unit} for the {of}: a number that is corrected and one "
-        f"as it was read are not compared, state the sensor's bandwidth of both runs"
+        f"{which} alone is corrected, by {added:.4g} {one.unit} for the {of}: a number that is corrected and "
+        f"one as it was read are not compared, state the sensor's bandwidth of both runs"
     )
 
 

@@ -79,6 +79,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     measured = tuple(each for each in found if isinstance(each, Measurement))
     instruments = _instruments(record)
     measurements = instruments.applied(measured)
+    tables = instruments.applied_to(tables, measured)
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *units_assumed(columns.chosen),

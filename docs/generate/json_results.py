@@ -19,6 +19,15 @@ class Document(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
+class Correction(Document):
+    """A known effect of a sensor that was corrected (JCGM 100:2008, 3.2.3)."""
+
+    added: float
+    """What was added to the value as it was read, in the unit of the measurement."""
+    of: str
+    """The effect, whose it is, and what is known of it."""
+
+
 class Contribution(Document):
     """One line of an uncertainty's budget."""
 
@@ -107,6 +116,8 @@ class Measurement(Document):
     """Why a value has none."""
     repeatability: Contribution | None = None
     """By how much the value of another record of the same state differs besides."""
+    correction: Correction | None = None
+    """What was added to the value as it was read, for a known effect of a sensor."""
 
 
 class Column(Document):
@@ -123,6 +134,8 @@ class ResultTable(Document):
 
     definition: str
     """What its rows are."""
+    uncertainty_reason: str | None = None
+    """Why rows have no uncertainty."""
     basis: Basis
     """What it rests on."""
     columns: list[Column]

@@ -170,8 +170,7 @@ def describe_orders(
     table = Table(
         f"{name}_orders",
         f"peak amplitude of each order of {what}; {shares}; standard uncertainty from the "
-        f"{spectrum.uncertainty_source}, without the sensors; orders above {highest} are not excluded and "
-        "may add to these",
+        f"{spectrum.uncertainty_source}; orders above {highest} are not excluded and may add to these",
         (
             *(("order", ""), ("amplitude", spectrum.unit), ("percent_of_mean", "%")),
             *(("percent_of_largest", "%"), ("uncertainty", spectrum.unit)),

@@ -429,7 +429,7 @@ def harmonic_table(
         name,
         "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
         "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, and "
-        f"resolution, x {_BELOW_THAT:g} where noise alone may read the amplitude; without the sensors",
+        f"resolution, x {_BELOW_THAT:g} where noise alone may read the amplitude",
         (
             ("order", ""),
             ("frequency", "Hz"),

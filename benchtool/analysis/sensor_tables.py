@@ -1,0 +1,143 @@
+"""The errors of sensors in the rows of tables of lines, as in the measurement of such a line.
+
+A row of harmonics, orders or lines is a measurement for each of its uncertainties; what a sensor does to it
+is found in the same way. Other tables say that their rows are as they were read.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+from benchtool.analysis.measurement import Measurement, Table
+from benchtool.analysis.uncertainty import Uncertainty
+
+Apply = Callable[[Measurement, Mapping[str, float]], Measurement]
+"""Returns a measurement with its sensors; of the other measurements that it needs those by name."""
+
+AS_READ: Final = (
+    "rows are as they were read: neither corrected for the sensors nor with an uncertainty of them"
+)
+"""Of a table whose rows no measurement is like."""
+
+_UNKNOWN = "the noise around the line is not known"
+
+Row = dict[str, float]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column of numbers and that of their uncertainties, each number a measurement of that `name`, which
+    may hang on the order of the row; `others` are values of other measurements in that row."""
+
+    value: str
+    uncertainty: str
+    name: str
+    others: Callable[[Row], Mapping[str, float]] = lambda _: {}
+
+
+def _columns(table: str) -> tuple[_Column, ...]:
+    """Return the columns of a table that are measurements; none of a table of another kind."""
+    if found := re.fullmatch(r"(\w+)_harmonics", table):
+        name = f"{found[1]}_harmonic_{{order:.0f}}"
+        return (
+            _Column(
+                "amplitude",
+                "uncertainty",
+                name,
+                lambda row: {"fundamental_frequency": row["frequency"] / row["order"]},
+            ),
+        )
+    if found := re.fullmatch(r"(\w+)_orders", table):
+        return (_Column("amplitude", "uncertainty", f"{found[1]}_order_{{order:.0f}}"),)
+    if found := re.fullmatch(r"(\w+)_lines", table):
+        of, line = f"{found[1]}_line", f"{found[1]}_line_frequency"
+        return (
+            _Column(
+                "amplitude",
+                "amplitude_uncertainty",
+                f"{of}_amplitude",
+                lambda row: {line: row["frequency_Hz"]},
+            ),
+            _Column("frequency_Hz", "frequency_uncertainty_Hz", line),
+        )
+    return ()
+
+
+def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Table:
+    """Return a table with its sensors in values and uncertainties; what was added is a column of its own.
+
+    `values` are those of the measurements by name.
+    """
+    columns = _columns(table.name)
+    if not table.rows or not columns:
+        return table if columns else replace(table, uncertainty_reason=table.uncertainty_reason or AS_READ)
+    names = [name for name, _ in table.columns]
+    units = dict(table.columns)
+    rows = [dict(zip(names, row, strict=True)) for row in table.rows]
+    added, remarks, reasons = [0.0] * len(rows), dict[str, None](), dict[str, list[int]]()
+    for column in columns:
+        for place, row in enumerate(rows):
+            read = _read(row, column, units[column.value], table)
+            found = apply(read, {**values, **column.others(row)})
+            remarks[found.basis.sensors] = None
+            if found.correction is not None:
+                added[place] = found.correction.added
+            row[column.value] = found.value
+            known = found.uncertainty is not None and math.isfinite(found.uncertainty.standard)
+            row[column.uncertainty] = found.uncertainty.standard if known and found.uncertainty else math.nan
+            if not known and math.isfinite(found.value):
+                reasons.setdefault(found.uncertainty_reason, []).append(place)
+    _with_shares(rows, table)
+    extra: tuple[tuple[str, str], ...] = ()
+    if any(added):
+        extra = (("correction", units["amplitude"]),)
+        for row, each in zip(rows, added, strict=True):
+            row["correction"] = each
+    text = "; ".join(_of_rows(reason, places, rows) for reason, places in reasons.items())
+    return replace(
+        table,
+        columns=table.columns + extra,
+        rows=tuple(tuple(row.values()) for row in rows),
+        basis=replace(table.basis, sensors="; ".join(filter(None, remarks))),
+        uncertainty_reason=text,
+    )
+
+
+def _read(row: Row, column: _Column, unit: str, table: Table) -> Measurement:
+    """Return the number of a row as a measurement."""
+    standard = row[column.uncertainty]
+    uncertain = Uncertainty(standard, table.definition) if math.isfinite(standard) else None
+    why = (
+        "" if uncertain is not None else table.uncertainty_reason or "the noise around the line is not known"
+    )
+    name = column.name.format_map(row)
+    return Measurement(name, row[column.value], unit, "", table.basis, uncertain, uncertainty_reason=why)
+
+
+def _with_shares(rows: list[Row], table: Table) -> None:
+    """Compute the columns in percent once more, of amplitudes that are corrected."""
+    if "amplitude" not in rows[0]:
+        return
+    place = [name for name, _ in table.columns].index("amplitude")
+    bases = {"percent_of_fundamental": rows[0]["amplitude"]}
+    bases["percent_of_largest"] = max(row["amplitude"] for row in rows)
+    for row, read in zip(rows, table.rows, strict=True):
+        for name in row:
+            if name in bases and bases[name] > 0.0:
+                row[name] = 100.0 * row["amplitude"] / bases[name]
+            elif name == "percent_of_mean" and read[place] > 0.0:
+                row[name] *= row["amplitude"] / read[place]
+
+
+def _of_rows(reason: str, places: list[int], rows: list[Row]) -> str:
+    """Return a reason with the rows that it is of."""
+    if len(places) == len(rows):
+        return reason
+    listed = ", ".join(f"{rows[place].get('order', place + 1):.0f}" for place in places[:5])
+    more = f" and {len(places) - 5} more" if len(places) > 5 else ""
+    what = "order" if "order" in rows[0] else "row"
+    return f"{what} {listed}{more}: {reason}"
