@@ -81,7 +81,9 @@ class Waveform:
         a Hann window a line is in few bins, and is divided by the window afterwards.
         """
         count = len(self.samples)
-        inverse = response.inverse(np.arange(len(self.bins)) * (self.rate_Hz / count))
+        inverse = response.inverse(
+            np.linspace(0.0, self.rate_Hz * (len(self.bins) - 1) / count, len(self.bins))
+        )
         power = np.abs(self.bins) ** 2
         lost = np.where(power > _least_of_lines(power), self.bins * (inverse - 1.0), 0.0)
         inner = slice(count // 4, count - count // 4)
@@ -115,7 +117,7 @@ def lagged(samples: Floats, rate_Hz: float, by: Response) -> Floats:
     count = len(samples)
     reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
     extended = np.pad(samples, reach, mode="reflect")
-    inverse = by.inverse(np.arange(len(extended) // 2 + 1) * (rate_Hz / len(extended)))
+    inverse = by.inverse(np.asarray(fft.rfftfreq(len(extended), 1.0 / rate_Hz), dtype=np.float64))
     filtered = fft.irfft(fft.rfft(extended) / inverse, len(extended))
     return np.asarray(filtered[reach : reach + count])
 
@@ -124,35 +126,6 @@ def _least_of_lines(power: Floats) -> float:
     """Return the power above which a bin holds more than noise, whose mean is taken from the least quarter of
     all bins."""
     return _STANDS_OUT * float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
-
-
-def in_steps(self, step: float) -> tuple[Waveform, ...]:
-    """Return it as read in steps, for eight places of their grid."""
-    if step not in self._in_steps:
-        self._in_steps[step] = tuple(
-            Waveform(in_steps(self.samples, step, (k + 0.5) / _PHASES), self.rate_Hz) for k in range(_PHASES)
-        )
-    return self._in_steps[step]
-
-
-def lagged(samples: Floats, rate_Hz: float, by: Response) -> Floats:
-    """Return what a further sensor of that response makes of samples, shape (n,).
-
-    By its frequency response. Before the first and past the last the samples go on as in a mirror, which
-    keeps their mean, until the lag has forgotten.
-    """
-    count = len(samples)
-    reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
-    extended = np.pad(samples, reach, mode="reflect")
-    inverse = by.inverse(np.arange(len(extended) // 2 + 1) * (rate_Hz / len(extended)))
-    filtered = fft.irfft(fft.rfft(extended) / inverse, len(extended))
-    return np.asarray(filtered[reach : reach + count])
-
-
-def standing_out(power: Floats) -> NDArray[np.bool_]:
-    """Return which bins hold more than noise, whose mean power is taken from the least quarter of all."""
-    quarter = float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
-    return np.asarray(power > _STANDS_OUT * quarter)
 
 
 def in_steps(samples: Floats, step: float, phase: float) -> Floats:
