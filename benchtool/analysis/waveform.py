@@ -77,19 +77,22 @@ class Waveform:
     def before(self, response: Response) -> tuple[Waveform, Waveform]:
         """Return its inner half, and the same as it was before a sensor of that response.
 
-        Bins that do not stand out of the noise stay as they are: noise of the converter was not lost. Under
-        a Hann window a line is in few bins, and is divided by the window afterwards.
+        Bins that do not stand out of the noise stay as they are: noise of the converter was not lost. Both
+        outer quarters are weighted by half of a Hann window, and the inner half is as it is.
         """
         count = len(self.samples)
-        inverse = response.inverse(
-            np.linspace(0.0, self.rate_Hz * (len(self.bins) - 1) / count, len(self.bins))
-        )
-        power = np.abs(self.bins) ** 2
-        lost = np.where(power > _least_of_lines(power), self.bins * (inverse - 1.0), 0.0)
-        inner = slice(count // 4, count - count // 4)
-        added = fft.irfft(lost, count)[inner] / np.hanning(count)[inner]
+        quarter = count // 4
+        inner = slice(quarter, count - quarter)
+        weights = np.ones(count)
+        weights[:quarter] = np.sin(0.5 * np.pi * (np.arange(quarter) + 0.5) / quarter) ** 2
+        weights[count - quarter :] = weights[:quarter][::-1]
+        bins = np.asarray(fft.rfft((self.samples - self.mean) * weights))
+        power = np.abs(bins) ** 2
+        inverse = response.inverse(np.asarray(fft.rfftfreq(count, 1.0 / self.rate_Hz), dtype=np.float64))
+        lost = np.where(power > _least_of_lines(power), bins * (inverse - 1.0), 0.0)
         read = self.samples[inner]
-        return Waveform(read, self.rate_Hz), Waveform(read + added, self.rate_Hz)
+        whole = read + fft.irfft(lost, count)[inner]
+        return Waveform(read, self.rate_Hz), Waveform(whole, self.rate_Hz)
 
     def between(self, fundamental_Hz: float) -> float:
         """Return the rms of the bins between the harmonics, in the unit of `line`."""

@@ -9,10 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchtool.analysis import Measurement, Uncertainty, measurements_from_json, measurements_to_json
+from benchtool.analysis import (
+    Measurement,
+    Table,
+    Uncertainty,
+    measurements_from_json,
+    measurements_to_json,
+    tables_from_json,
+    tables_to_json,
+)
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import UNSTATED, Instruments, Perturbed
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.sensor_tables import AS_READ
 from benchtool.analysis.uncertainty import Contribution, InstrumentError, of_difference
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -153,6 +162,14 @@ def _lines(**amplitudes: float) -> Block:
     return Block.from_arrays(20e3, {"i_a": "A", "torque": "Nm"}, i_a=values, torque=values)
 
 
+def _between(found: Measurement, read: float, before: float) -> None:
+    """A guarantee: the middle of what was read and what it may have been, half of the interval as u."""
+    assert found.value == pytest.approx(0.5 * (read + before), rel=1e-3)
+    assert _uncertainty(found).standard == pytest.approx(0.5 * (before - read), rel=2e-2)
+    assert found.correction is not None
+    assert found.as_read == pytest.approx(read, rel=1e-9)
+
+
 def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
     """A fifth of 250 Hz behind 500 Hz: 1.118, over the 1.005 of the fundamental."""
     bench = Bench(channels={"i_a": _sensor(bandwidth_Hz=500.0)})
@@ -160,50 +177,104 @@ def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
         _of("current_fundamental", 2.0, unit="A"),
         replace(_of("current_thd_f", 10.0, unit="%"), basis=Basis(harmonics=9)),
         replace(_of("current_tdd", 10.0, unit="%"), basis=Basis(harmonics=50)),
+        replace(_of("current_max_low_harmonic", 0.2, unit="A"), basis=Basis(bandwidth_Hz=1000.0)),
         _of("current_noise_floor", 1e-3, unit="A"),
         _of("fundamental_frequency", 50.0, unit="Hz"),
     )
-    line, thd, tdd, floor, _ = _applied(bench, *found, blocks=[_lines(f50=2.0, f250=0.2)])
-    assert _uncertainty(line).standard == pytest.approx(2.0 * (math.hypot(1.0, 0.1) - 1.0) / ROOT_3)
-    of_thd = 10.0 * (math.hypot(1.0, 0.5) / math.hypot(1.0, 0.1) - 1.0) / ROOT_3
-    assert _uncertainty(thd).standard == pytest.approx(of_thd, rel=1e-3)
-    assert thd.basis.sensors == ""
-    assert _uncertainty(tdd).standard == pytest.approx(10.0 * (math.hypot(1.0, 0.5) - 1.0) / ROOT_3, rel=1e-3)
-    assert "from 500 to 2500 Hz lose more than 29 %" in tdd.basis.sensors
+    line, thd, tdd, low, floor, _ = _applied(bench, *found, blocks=[_lines(f50=2.0, f250=0.2)])
+    _between(line, 2.0, 2.0 * math.hypot(1.0, 0.1))
+    _between(thd, 10.0, 10.0 * math.hypot(1.0, 0.5) / math.hypot(1.0, 0.1))
+    _between(tdd, 10.0, 10.0 * math.hypot(1.0, 0.5))
+    _between(low, 0.2, 0.2 * math.hypot(1.0, 0.5))
+    assert (floor.value, floor.correction) == (1e-3, None)
     assert "noise is that of the reading" in floor.basis.sensors
-    (blind,) = _applied(bench, found[1])
-    assert "not known without a record of even samples" in blind.basis.sensors
+    (blind, _) = _applied(bench, found[1], found[-1])
+    _between(blind, 10.0, 10.0 * math.hypot(1.0, 0.9))  # the ninth is the highest
+    (unknown,) = _applied(bench, found[1])
+    assert unknown.uncertainty is None
+    assert "not known without a record of even samples" in unknown.uncertainty_reason
+
+
+def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
+    bench = Bench(channels={"i_a": _sensor(bandwidth_Hz=50.0)})
+    found = _of("current_fundamental", 2.0, unit="A"), _of("fundamental_frequency", 60.0, unit="Hz")
+    line, _ = _applied(bench, *found)
+    _between(line, 2.0, 2.0 * math.hypot(1.0, 1.2**2))
+    lost, _ = _applied(bench, found[0], replace(found[1], value=200.0))
+    assert (lost.value, lost.uncertainty, lost.correction) == (2.0, None, None)
+    assert "may have taken off as much as is left" in lost.uncertainty_reason
+
+
+def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
+    sensor = _sensor(bandwidth_Hz=500.0, bandwidth_tolerance_percent=5.0, serial_number="7")
+    found = (
+        _of("torque_line_amplitude", 0.2, 0.01),
+        _of("torque_ripple_pp", 0.4),
+        _of("torque_line_frequency", 250.0, unit="Hz"),
+    )
+    line, pp, _ = _applied(Bench(channels={"torque": sensor}), *found, blocks=[_lines(f250=0.2)])
+    size = math.hypot(1.0, 0.5)
+    assert line.value == pytest.approx(0.2 * size)
+    assert pp.value == pytest.approx(0.4 * size, rel=1e-3)
+    # d(size) / size = x^2 / (1 + x^2) of the relative error of the bandwidth; scatter grows with the value
+    by_bandwidth = 0.2 * size * 0.25 / 1.25 * 0.05 / ROOT_3
+    assert _uncertainty(line).standard == pytest.approx(math.hypot(by_bandwidth, 0.01 * size), rel=1e-3)
+    assert _uncertainty(pp).standard == pytest.approx(2.0 * by_bandwidth, rel=0.03)
+    document = measurements_to_json([line])["torque_line_amplitude"]
+    assert document["correction"]["added"] == pytest.approx(0.2 * (size - 1.0))
+    assert document["correction"]["of"].startswith("bandwidth of 500 Hz of torque (no. 7) at 250 Hz; known")
+    assert measurements_from_json({line.name: document}) == (line,)
 
 
 def test_a_bandwidth_counts_for_a_ripple_by_its_waveform() -> None:
     """250 Hz behind 500 Hz: the sensor has taken a share of 0.118 of what it shows off a peak and an rms."""
     bench = Bench(channels={"torque": _sensor(bandwidth_Hz=500.0)})
-    pp, percent, rms, mean = _applied(
-        bench,
+    read = (
         *(_of("torque_ripple_pp", 0.4), _of("torque_ripple_percent_of_rated", 20.0, unit="%")),
         *(_of("torque_ripple_rms", 0.2 / math.sqrt(2.0)), _of("torque_mean", 0.0)),
-        blocks=[_lines(f250=0.2)],
     )
-    for each in (pp, percent, rms):
-        share = _uncertainty(each).standard / each.value
-        assert share == pytest.approx((math.hypot(1.0, 0.5) - 1.0) / ROOT_3, rel=0.02), each.name
-    assert _uncertainty(mean).standard == 0.0
+    *ripples, mean = _applied(bench, *read, blocks=[_lines(f250=0.2)])
+    for each, before in zip(ripples, read, strict=False):
+        _between(each, before.value, before.value * math.hypot(1.0, 0.5))
+    assert (mean.value, mean.correction, _uncertainty(mean).standard) == (0.0, None, 0.0)
+
+
+def test_noise_of_the_converter_is_not_taken_for_lost() -> None:
+    noise = 0.02 * np.random.default_rng(3).standard_normal(20_000)
+    torque = 0.2 * np.cos(2.0 * math.pi * 250.0 * np.arange(20_000) / 20e3) + noise
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=torque)
+    bench = Bench(channels={"torque": _sensor(bandwidth_Hz=500.0, bandwidth_tolerance_percent=0.0)})
+    (found,) = _applied(bench, _of("torque_ripple_rms", float(np.std(torque))), blocks=[block])
+    assert found.value == pytest.approx(
+        math.hypot(0.2 * math.hypot(1.0, 0.5) / math.sqrt(2.0), 0.02), rel=0.01
+    )
 
 
 @pytest.mark.parametrize("phases", [("i_a",), ("i_a", "i_b", "i_c")])
 def test_lags_of_phases_turn_them_and_equal_ones_leave_no_unbalance(phases: tuple[str, ...]) -> None:
     """30 Hz behind 300 Hz turns a phase by 0.1 rad: of one phase a third of it is seen as unbalance."""
-    bench = Bench(channels={name: _sensor(bandwidth_Hz=300.0) for name in phases})
-    positive, negative, percent, _ = _applied(
-        bench,
-        *(_of("current_sequence_positive", 6.0, unit="A"), _of("current_sequence_negative", 0.1, unit="A")),
-        *(_of("current_unbalance_percent", 1.0, unit="%"), _of("fundamental_frequency", 30.0, unit="Hz")),
+    sensor = _sensor(bandwidth_Hz=300.0, bandwidth_tolerance_percent=0.0)
+    angle = 2.0 * math.pi * 30.0 * np.arange(20_000) / 20e3
+    turned, size = math.atan(0.1), 6.0 / math.hypot(1.0, 0.1)
+    currents = {}
+    for k, name in enumerate(("i_a", "i_b", "i_c")):
+        of_phase = angle - 2.0 * k * math.pi / 3.0
+        currents[name] = size * np.cos(of_phase - turned) if name in phases else 6.0 * np.cos(of_phase)
+    block = Block.from_arrays(20e3, dict.fromkeys(currents, "A"), **currents)
+    window = Window.of(block, EXAMPLE_MOTOR)
+    analysis = next(each for each in catalogue().steady if each.title == "current unbalance")
+    read = analysis.measure(window, analysis.settings()).measurements
+    found = _applied(
+        Bench(channels=dict.fromkeys(phases, sensor)),
+        *read,
+        _of("fundamental_frequency", 30.0, unit="Hz"),
+        blocks=[block],
     )
-    alone = len(phases) == 1
-    length = math.hypot(1.0, 0.1 / 3.0 if alone else 0.1) - 1.0
-    assert _uncertainty(positive).standard == pytest.approx(6.0 * length / ROOT_3)
-    assert _uncertainty(negative).standard == pytest.approx(0.2 / ROOT_3 if alone else 0.0, abs=1e-12)
-    assert _uncertainty(percent).standard == pytest.approx(10.0 / 3.0 / ROOT_3 if alone else 0.0, abs=1e-12)
+    values = {each.name: each.value for each in found}
+    assert values["current_sequence_positive"] == pytest.approx(6.0, rel=1e-5)
+    assert values["current_unbalance_percent"] == pytest.approx(0.0, abs=1e-3)
+    before = {each.name: each.value for each in read}["current_unbalance_percent"]
+    assert before == pytest.approx(10.0 / 3.0 if len(phases) == 1 else 0.0, abs=0.1)
 
 
 def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
@@ -223,11 +294,13 @@ def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
     sensor = _sensor(bandwidth_Hz=300.0, resolution_Nm=0.02)
     instruments = Instruments(Bench(channels={"torque": sensor}), [block], rests_on=lambda _: ("torque",))
     (found,) = instruments.applied([read], measured)
-    by_lag, by_steps = _uncertainty(found).budget[1:]
+    by_steps, by_lag = sorted(_uncertainty(found).budget[1:], key=lambda each: each.name, reverse=True)
     late_s = read.value - math.log(9.0) / slow
     assert late_s == pytest.approx(0.31e-3, rel=0.01)  # 3.81 ms of both in a row
-    assert by_lag.name == "bandwidth of 300 Hz of torque, not corrected"
-    assert by_lag.standard == pytest.approx(late_s / ROOT_3, rel=0.15)
+    assert by_lag.name.startswith("bandwidth of 300 Hz of torque; a guarantee")
+    assert found.correction is not None
+    assert found.correction.added == pytest.approx(-0.5 * late_s, rel=0.25)
+    assert by_lag.standard == pytest.approx(0.5 * late_s, rel=0.25)
     # 0.1 and 0.9 are crossed at 563 and 66 1/s: half a step of either moves them by some 0.1 ms
     assert 3e-5 < by_steps.standard < 3e-4
 
@@ -235,8 +308,37 @@ def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
 def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
     bench = Bench(channels={"torque": _sensor(bandwidth_Hz=300.0)})
     order, _ = _applied(bench, _of("torque_order_24", 0.1), _of("fundamental_frequency", 50.0, unit="Hz"))
-    assert _uncertainty(order).standard == pytest.approx(0.1 * (math.sqrt(2.0) - 1.0) / ROOT_3)
-    assert _uncertainty(order).budget[-1].name.endswith("not corrected at 300 Hz")
+    _between(order, 0.1, 0.1 * math.sqrt(2.0))
+    assert " at 300 Hz; " in _uncertainty(order).budget[-1].name
+
+
+def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
+    sensor = _sensor(gain_U_percent=1.0, resolution_Nm=0.001, bandwidth_Hz=300.0)
+    bench = Bench(channels={"torque": sensor})
+    measured = (_of("torque_order_24", 0.1, 0.002), _of("fundamental_frequency", 50.0, unit="Hz"))
+    columns = (
+        *(("order", ""), ("amplitude", "Nm"), ("percent_of_mean", "%")),
+        *(("percent_of_largest", "%"), ("uncertainty", "Nm")),
+    )
+    rows = ((12.0, 0.2, 20.0, 100.0, 0.002), (24.0, 0.1, 10.0, 50.0, 0.002), (200.0, 0.1, 10.0, 50.0, 0.002))
+    table = Table("torque_orders", "", columns, (*rows, (23.0, 0.01, 1.0, 5.0, math.nan)))
+    instruments = Instruments(bench, [_lines(f150=0.2, f300=0.1)], pole_pairs=4)
+    order, _ = instruments.applied(measured)
+    (found,) = instruments.applied_to([table], measured)
+    assert [name for name, _ in found.columns] == [*(name for name, _ in columns), "correction"]
+    _, amplitude, of_mean, of_largest, standard, added = found.rows[1]
+    assert order.correction is not None
+    assert (amplitude, standard, added) == (order.value, _uncertainty(order).standard, order.correction.added)
+    assert of_mean == pytest.approx(10.0 * amplitude / 0.1)
+    assert of_largest == pytest.approx(100.0 * amplitude / found.rows[0][1])
+    assert found.rows[2][1] == 0.1
+    assert math.isnan(found.rows[2][4])
+    assert "order 200: the sensor may have taken off as much" in found.uncertainty_reason
+    assert "order 23: the noise around the line is not known" in found.uncertainty_reason
+    (again,) = tables_from_json(tables_to_json([found]))
+    assert (again.uncertainty_reason, again.rows[1]) == (found.uncertainty_reason, found.rows[1])
+    (groups,) = instruments.applied_to([Table("current_groups", "", (("order", ""),), ((1.0,),))], measured)
+    assert groups.uncertainty_reason == AS_READ
 
 
 # --- measured again -------------------------------------------------------------------------------------
