@@ -153,7 +153,7 @@ def test_bundles_of_tables_are_analysed_and_compared_as_they_were_measured(invok
     assert abs(thd["absolute"]) < 0.1
 
 
-def test_a_bandwidth_of_a_probe_covers_what_it_took_off_the_distortion(invoke: Invoke) -> None:
+def test_what_a_probe_took_off_the_distortion_is_corrected(invoke: Invoke) -> None:
     """A seventh of 10 % at 350 Hz and a thirteenth of 5 % at 650 Hz, behind a probe of 600 Hz."""
     time_s = np.arange(10_000) / 10e3
     true = {50.0: 3.0, 350.0: 0.3, 650.0: 0.15}
@@ -161,13 +161,24 @@ def test_a_bandwidth_of_a_probe_covers_what_it_took_off_the_distortion(invoke: I
         np.real(a / (1.0 + 1j * f / 600.0) * np.exp(2j * math.pi * f * time_s)) for f, a in true.items()
     )
     write("slow.csv", "t,CH1 [A]", [time_s, read + 1e-4 * np.random.default_rng(2).standard_normal(10_000)])
-    Path("bench.toml").write_text("[bench.channels.current]\nbandwidth_Hz = 600\n", encoding="utf-8")
     columns = ("--csv", "slow.csv", "--time", "t", "--current", "CH1", "--bench", "bench.toml")
-    thd = measured(invoke(*columns, "--json"))["measurements"]["current_thd_f"]
     of_truth = 100.0 * math.hypot(0.3, 0.15) / 3.0
-    # read are 100 sqrt((0.1 / 1.158)^2 + (0.05 / 1.474)^2) x 1.0035 = 9.30 %, of 11.18 %
-    assert thd["value"] == pytest.approx(9.30, abs=0.02)
-    assert of_truth - thd["value"] < thd["uncertainty"]["expanded"] < 1.3 * (of_truth - thd["value"])
+    guarantee = "[bench.channels.current]\nbandwidth_Hz = 600\n"
+    for known in (False, True):
+        text = f"{guarantee}bandwidth_tolerance_percent = 5\n" if known else guarantee
+        Path("bench.toml").write_text(text, encoding="utf-8")
+        case = measured(invoke(*columns, "--json"))
+        thd = case["measurements"]["current_thd_f"]
+        # read are 100 sqrt((0.1 / 1.158)^2 + (0.05 / 1.474)^2) x 1.0035 = 9.30 %, of 11.18 %
+        assert thd["value"] - thd["correction"]["added"] == pytest.approx(9.30, abs=0.02)
+        assert thd["value"] == pytest.approx(of_truth if known else 0.5 * (9.30 + of_truth), abs=0.05)
+        assert thd["uncertainty"]["standard"] == pytest.approx(0.10 if known else 0.94, rel=0.1)
+        harmonics = case["tables"]["current_harmonics"]
+        seventh = dict(
+            zip((each["name"] for each in harmonics["columns"]), harmonics["rows"][6], strict=True)
+        )
+        assert seventh["amplitude"] - seventh["correction"] == pytest.approx(0.3 / 1.158, rel=1e-3)
+        assert abs(seventh["amplitude"] - 0.3) < 2.0 * seventh["uncertainty"]
 
 
 @pytest.mark.parametrize(("day", "is_later"), [("2026-03-01", True), ("2026-04-01", False)])

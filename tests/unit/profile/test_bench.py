@@ -86,6 +86,10 @@ def test_a_calibration_holds_up_to_the_day_it_is_due(tmp_path: Path) -> None:
         ("gain_U_percent = nan", "finite"),
         ("k = 0.0", "greater than or equal to 1"),
         ("bandwidth_Hz = 0.0", "greater than 0"),
+        ("bandwidth_tolerance_percent = 5.0", "bandwidth_tolerance_percent without a bandwidth_Hz"),
+        ("bandwidth_Hz = 1e3\nbandwidth_tolerance_percent = -1.0", "greater than or equal to 0"),
+        ("bandwidth_Hz = 1e3\nbandwidth_tolerance_percent = nan", "finite"),
+        ("bandwidth_Hz = 1e3\nbandwidth_tolerance_percent = 60", "less than or equal to 50"),
         ("due = '2027-03-01'", "a date without quotes is expected, such as 2027-03-01"),
         (
             "calibrated = 2026-03-01\ndue = 2026-02-28",

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import stats
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Correction, Measurement
 from benchtool.analysis.measurement import Basis, measurements_from_json, measurements_to_json
 from benchtool.analysis.scatter import error_of_series
 from benchtool.analysis.uncertainty import (
@@ -89,6 +89,18 @@ def test_amplitudes_of_two_largest_orders_are_not_compared() -> None:
     assert (same.exceeds, same.reason) == (False, "")
     assert (other.exceeds, other.uncertainty) == (None, None)
     assert "24 in the reference and 72 here" in other.reason
+
+
+@pytest.mark.parametrize(("added", "is_compared"), [(0.01, True), (1.0, False)])
+def test_a_number_that_alone_is_corrected_is_not_compared_silently(added: float, is_compared: bool) -> None:
+    plain = result(x=(1.0, 0.1))
+    correction = Correction(added, "bandwidth of 300 Hz of torque")
+    number = replace(plain.measurements[0], value=1.0 + added, correction=correction)
+    corrected = replace(plain, measurements=(number,))
+    (alike,), (alone,) = deltas(corrected, corrected), deltas(plain, corrected)
+    assert (alike.exceeds, alike.reason) == (False, "")
+    assert (alone.exceeds, alone.reason == "") == ((False, True) if is_compared else (None, False))
+    assert is_compared or "this alone is corrected, by 1 " in alone.reason
 
 
 @given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.floats(0, 10), st.floats(0, 10))

@@ -1,0 +1,215 @@
+"""Bandwidths of sensors: what they have taken off is corrected."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import (
+    Measurement,
+    Table,
+    measurements_from_json,
+    measurements_to_json,
+    tables_from_json,
+    tables_to_json,
+)
+from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.instruments import Instruments, Perturbed
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.sensor_tables import AS_READ
+from benchtool.analysis.window import Window
+from benchtool.block import Block
+from benchtool.profile import Bench
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
+from tests.unit.analysis.stated_sensors import applied, lines, reading, sensor_of, uncertainty_of
+
+ROOT_3 = math.sqrt(3.0)
+
+
+def _between(found: Measurement, read: float, before: float) -> None:
+    """A guarantee: the middle of what was read and what it may have been, half of the interval as u."""
+    assert found.value == pytest.approx(0.5 * (read + before), rel=1e-3)
+    assert uncertainty_of(found).standard == pytest.approx(0.5 * (before - read), rel=2e-2)
+    assert found.correction is not None
+    assert found.as_read == pytest.approx(read, rel=1e-9)
+
+
+def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
+    """A fifth of 250 Hz behind 500 Hz: 1.118, over the 1.005 of the fundamental."""
+    bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=500.0)})
+    found = (
+        reading("current_fundamental", 2.0, unit="A"),
+        replace(reading("current_thd_f", 10.0, unit="%"), basis=Basis(harmonics=9)),
+        replace(reading("current_tdd", 10.0, unit="%"), basis=Basis(harmonics=50)),
+        replace(reading("current_max_low_harmonic", 0.2, unit="A"), basis=Basis(bandwidth_Hz=1000.0)),
+        reading("current_noise_floor", 1e-3, unit="A"),
+        reading("fundamental_frequency", 50.0, unit="Hz"),
+    )
+    line, thd, tdd, low, floor, _ = applied(bench, *found, blocks=[lines(f50=2.0, f250=0.2)])
+    _between(line, 2.0, 2.0 * math.hypot(1.0, 0.1))
+    _between(thd, 10.0, 10.0 * math.hypot(1.0, 0.5) / math.hypot(1.0, 0.1))
+    _between(tdd, 10.0, 10.0 * math.hypot(1.0, 0.5))
+    _between(low, 0.2, 0.2 * math.hypot(1.0, 0.5))
+    assert (floor.value, floor.correction) == (1e-3, None)
+    assert "noise is that of the reading" in floor.basis.sensors
+    (blind, _) = applied(bench, found[1], found[-1])
+    _between(blind, 10.0, 10.0 * math.hypot(1.0, 0.9))  # the ninth is the highest
+    (unknown,) = applied(bench, found[1])
+    assert unknown.uncertainty is None
+    assert "not known without a record of even samples" in unknown.uncertainty_reason
+
+
+def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
+    bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=50.0)})
+    found = reading("current_fundamental", 2.0, unit="A"), reading("fundamental_frequency", 60.0, unit="Hz")
+    line, _ = applied(bench, *found)
+    _between(line, 2.0, 2.0 * math.hypot(1.0, 1.2**2))
+    lost, _ = applied(bench, found[0], replace(found[1], value=200.0))
+    assert (lost.value, lost.uncertainty, lost.correction) == (2.0, None, None)
+    assert "may have taken off as much as is left" in lost.uncertainty_reason
+
+
+def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
+    sensor = sensor_of(bandwidth_Hz=500.0, bandwidth_tolerance_percent=5.0, serial_number="7")
+    found = (
+        reading("torque_line_amplitude", 0.2, 0.01),
+        reading("torque_ripple_pp", 0.4),
+        reading("torque_line_frequency", 250.0, unit="Hz"),
+    )
+    line, pp, _ = applied(Bench(channels={"torque": sensor}), *found, blocks=[lines(f250=0.2)])
+    size = math.hypot(1.0, 0.5)
+    assert line.value == pytest.approx(0.2 * size)
+    assert pp.value == pytest.approx(0.4 * size, rel=1e-3)
+    # d(size) / size = x^2 / (1 + x^2) of the relative error of the bandwidth; scatter grows with the value
+    by_bandwidth = 0.2 * size * 0.25 / 1.25 * 0.05 / ROOT_3
+    assert uncertainty_of(line).standard == pytest.approx(math.hypot(by_bandwidth, 0.01 * size), rel=1e-3)
+    assert uncertainty_of(pp).standard == pytest.approx(2.0 * by_bandwidth, rel=0.03)
+    document = measurements_to_json([line])["torque_line_amplitude"]
+    assert document["correction"]["added"] == pytest.approx(0.2 * (size - 1.0))
+    assert document["correction"]["of"].startswith("bandwidth of 500 Hz of torque (no. 7) at 250 Hz; known")
+    assert measurements_from_json({line.name: document}) == (line,)
+
+
+def test_a_bandwidth_counts_for_a_ripple_by_its_waveform() -> None:
+    """250 Hz behind 500 Hz: the sensor has taken a share of 0.118 of what it shows off a peak and an rms."""
+    bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=500.0)})
+    read = (
+        *(reading("torque_ripple_pp", 0.4), reading("torque_ripple_percent_of_rated", 20.0, unit="%")),
+        *(reading("torque_ripple_rms", 0.2 / math.sqrt(2.0)), reading("torque_mean", 0.0)),
+    )
+    *ripples, mean = applied(bench, *read, blocks=[lines(f250=0.2)])
+    for each, before in zip(ripples, read, strict=False):
+        _between(each, before.value, before.value * math.hypot(1.0, 0.5))
+    assert (mean.value, mean.correction, uncertainty_of(mean).standard) == (0.0, None, 0.0)
+
+
+def test_noise_of_the_converter_is_not_taken_for_lost() -> None:
+    noise = 0.02 * np.random.default_rng(3).standard_normal(20_000)
+    torque = 0.2 * np.cos(2.0 * math.pi * 250.0 * np.arange(20_000) / 20e3) + noise
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=torque)
+    bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=500.0, bandwidth_tolerance_percent=0.0)})
+    (found,) = applied(bench, reading("torque_ripple_rms", float(np.std(torque))), blocks=[block])
+    assert found.value == pytest.approx(
+        math.hypot(0.2 * math.hypot(1.0, 0.5) / math.sqrt(2.0), 0.02), rel=0.01
+    )
+
+
+@pytest.mark.parametrize("phases", [("i_a",), ("i_a", "i_b", "i_c")])
+def test_lags_of_phases_turn_them_and_equal_ones_leave_no_unbalance(phases: tuple[str, ...]) -> None:
+    """30 Hz behind 300 Hz turns a phase by 0.1 rad: of one phase a third of it is seen as unbalance."""
+    sensor = sensor_of(bandwidth_Hz=300.0, bandwidth_tolerance_percent=0.0)
+    angle = 2.0 * math.pi * 30.0 * np.arange(20_000) / 20e3
+    turned, size = math.atan(0.1), 6.0 / math.hypot(1.0, 0.1)
+    currents = {}
+    for k, name in enumerate(("i_a", "i_b", "i_c")):
+        of_phase = angle - 2.0 * k * math.pi / 3.0
+        currents[name] = size * np.cos(of_phase - turned) if name in phases else 6.0 * np.cos(of_phase)
+    block = Block.from_arrays(20e3, dict.fromkeys(currents, "A"), **currents)
+    window = Window.of(block, EXAMPLE_MOTOR)
+    analysis = next(each for each in catalogue().steady if each.title == "current unbalance")
+    read = analysis.measure(window, analysis.settings()).measurements
+    found = applied(
+        Bench(channels=dict.fromkeys(phases, sensor)),
+        *read,
+        reading("fundamental_frequency", 30.0, unit="Hz"),
+        blocks=[block],
+    )
+    values = {each.name: each.value for each in found}
+    assert values["current_sequence_positive"] == pytest.approx(6.0, rel=1e-5)
+    assert values["current_unbalance_percent"] == pytest.approx(0.0, abs=1e-3)
+    before = {each.name: each.value for each in read}["current_unbalance_percent"]
+    assert before == pytest.approx(10.0 / 3.0 if len(phases) == 1 else 0.0, abs=0.1)
+
+
+def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
+    """A lag of 100 Hz rises in 2.197 / (2 pi 100 Hz) = 3.50 ms, and reads longer behind one of 300 Hz."""
+    time_s = (np.arange(4_000) - 400) / 20e3
+    slow, fast = 2.0 * math.pi * 100.0, 2.0 * math.pi * 300.0
+    later = np.maximum(time_s, 0.0)
+    rise = 1.0 - (fast * np.exp(-slow * later) - slow * np.exp(-fast * later)) / (fast - slow)
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=rise)
+
+    def measured(altered: Perturbed) -> Iterator[Measurement]:
+        torque = altered.of(block).column("torque")
+        low, high = (np.interp(level, torque, time_s) for level in (0.1, 0.9))
+        yield reading("rise_time", float(high - low), 0.0, "s")
+
+    (read,) = measured(Perturbed("torque"))
+    sensor = sensor_of(bandwidth_Hz=300.0, resolution_Nm=0.02)
+    instruments = Instruments(Bench(channels={"torque": sensor}), [block], rests_on=lambda _: ("torque",))
+    (found,) = instruments.applied([read], measured)
+    by_steps, by_lag = sorted(uncertainty_of(found).budget[1:], key=lambda each: each.name, reverse=True)
+    late_s = read.value - math.log(9.0) / slow
+    assert late_s == pytest.approx(0.31e-3, rel=0.01)  # 3.81 ms of both in a row
+    assert by_lag.name.startswith("bandwidth of 300 Hz of torque; a guarantee")
+    assert found.correction is not None
+    assert found.correction.added == pytest.approx(-0.5 * late_s, rel=0.25)
+    assert by_lag.standard == pytest.approx(0.5 * late_s, rel=0.25)
+    # 0.1 and 0.9 are crossed at 563 and 66 1/s: half a step of either moves them by some 0.1 ms
+    assert 3e-5 < by_steps.standard < 3e-4
+
+
+def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
+    bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=300.0)})
+    order, _ = applied(
+        bench, reading("torque_order_24", 0.1), reading("fundamental_frequency", 50.0, unit="Hz")
+    )
+    _between(order, 0.1, 0.1 * math.sqrt(2.0))
+    assert " at 300 Hz; " in uncertainty_of(order).budget[-1].name
+
+
+def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
+    sensor = sensor_of(gain_U_percent=1.0, resolution_Nm=0.001, bandwidth_Hz=300.0)
+    bench = Bench(channels={"torque": sensor})
+    measured = (reading("torque_order_24", 0.1, 0.002), reading("fundamental_frequency", 50.0, unit="Hz"))
+    columns = (
+        *(("order", ""), ("amplitude", "Nm"), ("percent_of_mean", "%")),
+        *(("percent_of_largest", "%"), ("uncertainty", "Nm")),
+    )
+    rows = ((12.0, 0.2, 20.0, 100.0, 0.002), (24.0, 0.1, 10.0, 50.0, 0.002), (200.0, 0.1, 10.0, 50.0, 0.002))
+    table = Table("torque_orders", "", columns, (*rows, (23.0, 0.01, 1.0, 5.0, math.nan)))
+    instruments = Instruments(bench, [lines(f150=0.2, f300=0.1)], pole_pairs=4)
+    order, _ = instruments.applied(measured)
+    (found,) = instruments.applied_to([table], measured)
+    assert [name for name, _ in found.columns] == [*(name for name, _ in columns), "correction"]
+    _, amplitude, of_mean, of_largest, standard, added = found.rows[1]
+    assert order.correction is not None
+    assert (amplitude, standard, added) == (
+        order.value,
+        uncertainty_of(order).standard,
+        order.correction.added,
+    )
+    assert of_mean == pytest.approx(10.0 * amplitude / 0.1)
+    assert of_largest == pytest.approx(100.0 * amplitude / found.rows[0][1])
+    assert found.rows[2][1] == 0.1
+    assert math.isnan(found.rows[2][4])
+    assert "order 200: the sensor may have taken off as much" in found.uncertainty_reason
+    assert "order 23: the noise around the line is not known" in found.uncertainty_reason
+    (again,) = tables_from_json(tables_to_json([found]))
+    assert (again.uncertainty_reason, again.rows[1]) == (found.uncertainty_reason, found.rows[1])
+    (groups,) = instruments.applied_to([Table("current_groups", "", (("order", ""),), ((1.0,),))], measured)
+    assert groups.uncertainty_reason == AS_READ
