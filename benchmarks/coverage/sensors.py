@@ -36,6 +36,7 @@ MOTOR = Motor(
 )
 _HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.05, 7: 0.03, 11: 0.015, 13: 0.01}
 _ORDERS_NM: Mapping[int, float] = {1: 0.02, 12: 0.05, 24: 0.02}
+_LOSS_OUTWEIGHS_NOISE = 2.0
 _FASTER, _KNOWN_WITHIN_PERCENT = 1.3, 10.0
 
 
@@ -110,20 +111,17 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
         "current_thd_f_subgroups": thd,
         "current_thd_f_groups": thd,
         "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + what.noise**2),
-        "torque_ripple_pp": float(np.ptp(torque)) + by_noise,
-        **{f"torque_order_{k}": a for k, a in orders.items()},
+        **{f"torque_order_{k // POLE_PAIRS}p": orders[k] for k in (12, 24)},
     }
+    if what.ratio <= _LOSS_OUTWEIGHS_NOISE:
+        truths["torque_ripple_pp"] = float(np.ptp(torque)) + by_noise
     yield from selected(found.measurements, truths)
     for table in found.tables:
-        if table.name == "current_harmonics":
-            for k, amplitude in amplitudes.items():
-                row = dict(zip((name for name, _ in table.columns), table.rows[k - 1], strict=True))
-                known = math.isfinite(row["uncertainty"])
-                uncertain = Uncertainty(row["uncertainty"], "") if known else None
-                yield (
-                    Measurement(f"harmonic_{k}", row["amplitude"], "A", "", uncertainty=uncertain),
-                    amplitude,
-                )
+        lines = {"current_harmonics": amplitudes, "torque_orders": orders}.get(table.name, {})
+        for k, amplitude in lines.items():
+            row = dict(zip((name for name, _ in table.columns), table.rows[k - 1], strict=True))
+            u = Uncertainty(row["uncertainty"], "") if math.isfinite(row["uncertainty"]) else None
+            yield Measurement(f"{table.name}_{k}", row["amplitude"], "", "", uncertainty=u), amplitude
 
 
 def _read_pp(measurements: tuple[Measurement, ...]) -> float:

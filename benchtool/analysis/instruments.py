@@ -115,6 +115,7 @@ class Instruments:
     _waveforms: dict[str, Waveform | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _steps: dict[str, float] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def applied(
         self, measurements: Sequence[Measurement], again: MeasureAgain | None = None
@@ -205,8 +206,7 @@ class Instruments:
             yield _gain(channel, sensor, part.gain(found) * sensor.gain_standard)
         if sensor.offset_standard > 0.0:
             yield _offset(channel, sensor, part.offset(found) * sensor.offset_standard)
-        rest = self._rest(channel, sensor)
-        if sensor.resolution and rest > 0.0 and stated.by_resolution:
+        if sensor.resolution and stated.by_resolution and (rest := self._rest(channel, sensor)) > 0.0:
             waveform, highest_Hz = self._waveform(part.channel), top_Hz(stated, found, each)
             moved = moved_by_steps(part, stated, found, highest_Hz, sensor.resolution, waveform)
             yield self._of_resolution(channel, sensor, moved * rest / sensor.resolution)
@@ -223,10 +223,10 @@ class Instruments:
 
     def _resolution(self, channel: str) -> float:
         """Return the step that the analyses found in a channel; 0 if none is coarse enough to be one."""
-        for block in self.blocks:
-            if channel in block.names:
-                return counting_step(block.column(channel))
-        return 0.0
+        if channel not in self._steps:
+            columns = (block.column(channel) for block in self.blocks if channel in block.names)
+            self._steps[channel] = next(map(counting_step, columns), 0.0)
+        return self._steps[channel]
 
     def _waveform(self, channel: str) -> Waveform | None:
         """Return the even samples of a channel; None where there are none."""
