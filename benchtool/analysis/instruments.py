@@ -276,29 +276,28 @@ class Instruments:
         change over places of its grid.
         """
         left = {
-            each.name: each.value
+            each.name: each
             for each in measurements
             if declared(each.name) is None and math.isfinite(each.value)
         }
         found = {name: Moved() for name in left}
         for channel, sensor in self.bench.channels.items():
             own = {
-                name: value
-                for name, value in left.items()
-                if channel in map(self._entry, self.rests_on(name))
+                name: each for name, each in left.items() if channel in map(self._entry, self.rests_on(name))
             }
-            for name, each in self._of_channel(channel, sensor, own, again) if own else ():
-                found[name].add(each)
+            for name, effect in self._of_channel(channel, sensor, own, again) if own else ():
+                found[name].add(effect)
         return found
 
     def _of_channel(
-        self, channel: str, sensor: Sensor, values: Mapping[str, float], again: MeasureAgain
+        self, channel: str, sensor: Sensor, found: Mapping[str, Measurement], again: MeasureAgain
     ) -> Iterator[tuple[str, Contribution | Effect | str]]:
         """Yield contributions of one sensor to measurements by name, or why they are not known."""
 
         def read(**error: Any) -> dict[str, float]:
             return {each.name: each.value for each in again(Perturbed(channel, **error))}
 
+        values = {name: each.value for name, each in found.items()}
         for error, u, line in (
             ("gain", sensor.gain_standard, _gain),
             ("offset", sensor.offset_standard, _offset),
@@ -313,7 +312,9 @@ class Instruments:
             for name, value in values.items():
                 later = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in again_by]
                 if all(math.isfinite(once) for once, _ in later):
-                    estimate = lag.estimate_by_lags(value, later)
+                    uncertain = found[name].uncertainty
+                    scatter = 0.0 if uncertain is None else uncertain.standard
+                    estimate = lag.estimate_by_lags(value, scatter, later)
                     yield name, Effect.of_sensors({channel: sensor}, "", lag.text, estimate)
                 else:
                     yield name, _not_known("a number with a further lag", {channel: sensor})

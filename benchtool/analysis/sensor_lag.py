@@ -90,24 +90,26 @@ class Lag:
         whole, low, high = before
         return Estimate(whole, 0.5 * abs(high - low) / _ROOT_3)
 
-    def estimate_by_lags(self, read: float, later: Sequence[tuple[float, float]]) -> Estimate:
+    def estimate_by_lags(self, read: float, scatter: float, later: Sequence[tuple[float, float]]) -> Estimate:
         """Return the estimate of a number that hangs on the waveform, of what it is with one and with two
-        further such sensors, for each of `once_more`; nan where it is not found with one.
+        further such sensors, for each of `once_more`; nan where it is not found with two.
 
         Where losses add up it is the parabola through the three: of a line behind a lag within 0.2 % at half
-        the bandwidth and 2.5 % low at the bandwidth. By how much that differs from the straight line through
-        the first two enters besides. Of limits of the bandwidth a loss has at most the square.
+        the bandwidth and 2.5 % low at the bandwidth; and the straight line through the first two, which
+        scatters less, where the number's own `scatter` hides that they differ. By how much they do enters
+        besides, and once more the scatter, as far as it is not more than the loss: what was added is a
+        difference of such numbers. Of limits of the bandwidth a loss has at most the square.
         """
-        straight = [2.0 * read - once for once, _ in later]
-        whole = [
-            line if math.isnan(twice) else 3.0 * read - 3.0 * once + twice
-            for line, (once, twice) in zip(straight, later, strict=True)
-        ]
-        bent = max(abs(a - b) for a, b in zip(straight, whole, strict=True))
-        if self.tolerance is not None:
-            return Estimate(whole[0], math.hypot(2.0 * self.tolerance * (whole[0] - read) / _ROOT_3, bent))
-        middle = self.estimate(read, whole)
-        return Estimate(middle.value, math.hypot(middle.standard, bent))
+        whole, bent = [], 0.0
+        for once, twice in later:
+            straight = 2.0 * read - once
+            bends = read - 2.0 * once + twice if math.isfinite(twice) else straight - read
+            whole.append(straight + bends if math.isfinite(twice) and abs(bends) > scatter else straight)
+            bent = max(bent, abs(bends))
+        found = self.estimate(read, whole if self.tolerance is None else whole * 3)
+        added = abs(found.value - read)
+        limits = 0.0 if self.tolerance is None else 2.0 * self.tolerance * added / _ROOT_3
+        return Estimate(found.value, math.hypot(found.standard, limits, bent, min(scatter, added)))
 
     @property
     def once_more(self) -> tuple[Response, ...]:

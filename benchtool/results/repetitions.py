@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchtool.analysis import Contribution, InstrumentError, Measurement, Uncertainty
+from benchtool.analysis import Contribution, Correction, InstrumentError, Measurement, Uncertainty
 from benchtool.plan import NAMES as REACHED, Case, Limit, Missed, Plan, Verdict, cases, missed
 from benchtool.results.agreement import Disagreement, disagreements, transducer_name
 from benchtool.telemetry import certificate_units
@@ -179,7 +179,14 @@ def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mea
         reason = f"{count - together.n} of {count} repetitions have no value"
         return Measurement.undefined(name, unit, definition, reason)
     if of_mean:
-        judged = Measurement(name, together.mean, unit, definition, uncertainty=together.uncertainty)
+        judged = Measurement(
+            name,
+            together.mean,
+            unit,
+            definition,
+            uncertainty=together.uncertainty,
+            correction=_mean_correction(found),
+        )
         return replace(judged, in_common_band=_mean_in_band(found, judged))
     order = list(Verdict)
 
@@ -201,6 +208,14 @@ def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurem
     return Measurement(
         judged.name, together.mean, judged.unit, judged.definition, basis, together.uncertainty
     )
+
+
+def _mean_correction(found: Sequence[Measurement]) -> Correction | None:
+    """Return what was added to the mean of repetitions for their sensors; None if nothing was."""
+    corrections = [each.correction for each in found if each.correction is not None]
+    if not corrections:
+        return None
+    return Correction(sum(each.added for each in corrections) / len(found), corrections[0].of)
 
 
 def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
