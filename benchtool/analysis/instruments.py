@@ -15,7 +15,7 @@ import numpy as np
 
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared
+from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared, is_positive
 from benchtool.analysis.sensor_corrections import Effect, bandwidth_of, corrected, without_uncertainty
 from benchtool.analysis.sensor_effects import before_the_sensors, moved_by_steps, top_Hz
 from benchtool.analysis.sensor_lag import Lag, Response
@@ -76,20 +76,14 @@ MeasureAgain = Callable[[Perturbed], Iterable[Measurement]]
 
 @dataclass(frozen=True)
 class Moved:
-    """What sensors do to a measurement that was measured again, and why some of that is not known."""
+    """What sensors do to a measurement that was measured again.
+
+    Of a bandwidth it is the effect, or why that is not known; `remarks` are on what else is not known.
+    """
 
     lines: list[Contribution] = field(default_factory=list)
-    effects: list[Effect] = field(default_factory=list)
-    unknown: list[str] = field(default_factory=list)
-
-    def add(self, found: Contribution | Effect | str) -> None:
-        """Add one of them."""
-        if isinstance(found, Contribution):
-            self.lines.append(found)
-        elif isinstance(found, Effect):
-            self.effects.append(found)
-        else:
-            self.unknown.append(found)
+    effects: list[Effect | str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -146,14 +140,14 @@ class Instruments:
             return each
         found = Found(each.name, each.value, values, self.pole_pairs, self.slots)
         stated = declared(each.name)
-        effects = [*moved.effects, *([] if stated is None else [self._by_bandwidth(stated, found, each)])]
-        known = [effect for effect in effects if isinstance(effect, Effect)]
+        effects = moved.effects if stated is None else [self._by_bandwidth(stated, found, each)]
+        unknown = [effect for effect in effects if isinstance(effect, str) and effect]
+        known = [effect for effect in effects if isinstance(effect, Effect)] if not unknown else []
         each, by_lags = corrected(each, known, proportional=stated is not None)
-        unknown = [*moved.unknown, *(effect for effect in effects if isinstance(effect, str) and effect)]
         if unknown:
             each = without_uncertainty(each, "; ".join(unknown))
         lines = [*moved.lines, *by_lags, *self._clock(each)]
-        remarks = [self._unstated(each.name, stated)]
+        remarks = [self._unstated(each.name, stated), *moved.remarks]
         if stated is not None:
             found = replace(found, value=each.value)
             lines += [
@@ -285,51 +279,63 @@ class Instruments:
             own = {
                 name: each for name, each in left.items() if channel in map(self._entry, self.rests_on(name))
             }
-            for name, effect in self._of_channel(channel, sensor, own, again) if own else ():
-                found[name].add(effect)
+            if own:
+                self._of_channel(channel, sensor, own, again, found)
         return found
 
     def _of_channel(
-        self, channel: str, sensor: Sensor, found: Mapping[str, Measurement], again: MeasureAgain
-    ) -> Iterator[tuple[str, Contribution | Effect | str]]:
-        """Yield contributions of one sensor to measurements by name, or why they are not known."""
+        self,
+        channel: str,
+        sensor: Sensor,
+        found: Mapping[str, Measurement],
+        again: MeasureAgain,
+        moved: Mapping[str, Moved],
+    ) -> None:
+        """Add what one sensor does to measurements, by name."""
 
         def read(**error: Any) -> dict[str, float]:
             return {each.name: each.value for each in again(Perturbed(channel, **error))}
 
-        values = {name: each.value for name, each in found.items()}
         for error, u, line in (
             ("gain", sensor.gain_standard, _gain),
             ("offset", sensor.offset_standard, _offset),
         ):
             if u > 0.0:
                 up, down = (read(**{error: step}) for step in (u, -u))
-                for name, value in values.items():
-                    moved = _larger(up.get(name, math.nan) - value, value - down.get(name, math.nan))
-                    yield name, line(channel, sensor, moved)
+                for name, each in found.items():
+                    by = _larger(up.get(name, math.nan) - each.value, each.value - down.get(name, math.nan))
+                    moved[name].lines.append(line(channel, sensor, by))
         if (lag := Lag.of(sensor)) is not None:
-            again_by = [[read(by=by, lags=lags) for lags in (1, 2)] for by in lag.once_more]
-            for name, value in values.items():
-                later = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in again_by]
-                if all(math.isfinite(once) for once, _ in later):
-                    uncertain = found[name].uncertainty
-                    scatter = 0.0 if uncertain is None else uncertain.standard
-                    estimate = lag.estimate_by_lags(value, scatter, later)
-                    yield name, Effect.of_sensors({channel: sensor}, "", lag.text, estimate)
-                else:
-                    yield name, _not_known("a number with a further lag", {channel: sensor})
+            later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in lag.once_more]
+            for name, each in found.items():
+                values = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in later]
+                moved[name].effects.append(_by_lags(each, values, channel, sensor, lag))
         if sensor.resolution and (rest := self._rest(channel, sensor)) > 0.0:
             grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
-            for name, value in values.items():
-                changes = [each.get(name, math.nan) - value for each in grids]
+            for name, each in found.items():
+                changes = [grid.get(name, math.nan) - each.value for grid in grids]
                 by = math.sqrt(sum(change**2 for change in changes) / len(changes))
                 if math.isfinite(by):
-                    yield name, self._of_resolution(channel, sensor, by * rest / sensor.resolution)
+                    by *= rest / sensor.resolution
+                    moved[name].lines.append(self._of_resolution(channel, sensor, by))
                 else:
-                    yield (
-                        name,
-                        f"what steps of {sensor.resolution:g} {sensor.unit} of {channel} do is not known",
-                    )
+                    text = f"what steps of {sensor.resolution:g} {sensor.unit} of {channel} do is not known"
+                    moved[name].remarks.append(text)
+
+
+def _by_lags(
+    each: Measurement, later: Sequence[tuple[float, float]], channel: str, sensor: Sensor, lag: Lag
+) -> Effect | str:
+    """Return what a bandwidth has done to a number, by what it is with further such sensors, or why that is
+    not known."""
+    if not all(math.isfinite(once) for once, _ in later):
+        return _not_known("a number with a further lag", {channel: sensor})
+    scatter = 0.0 if each.uncertainty is None else each.uncertainty.standard
+    estimate = lag.estimate_by_lags(each.value, scatter, later, positive=is_positive(each.name))
+    if estimate is None:
+        of = bandwidth_of(channel, sensor)
+        return f"a further such sensor changes it by more than it is (bandwidth of {of})"
+    return Effect.of_sensors({channel: sensor}, "", lag.text, estimate)
 
 
 def sensor_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:

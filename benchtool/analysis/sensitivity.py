@@ -27,6 +27,9 @@ not keep their places, and extremes are missed.
 _BESIDE: Final[Mapping[str, Bandwidth]] = {"flux_radius_pp": "extremes", "flux_radius_rms": "power"}
 """Of numbers whose sensitivities hang on the waveform."""
 
+_SIGNED: Final = re.compile(r".*(_mean|_reached|_delay|_dB|_peak|margin\w*|plateau_\w+)")
+"""Numbers that hang on the waveform and may be below zero."""
+
 _ROOT_6, _ROOT_12 = math.sqrt(6.0), math.sqrt(12.0)
 
 
@@ -126,6 +129,11 @@ def holds(name: str) -> Bandwidth:
     """Return what a measurement holds; a level, where nothing else is stated."""
     stated = declared(name)
     return _BESIDE.get(name, "level") if stated is None else stated.bandwidth
+
+
+def is_positive(name: str) -> bool:
+    """Return whether a number that hangs on the waveform is a size: an rms, a time, an overshoot, a gain."""
+    return _SIGNED.fullmatch(name) is None
 
 
 def _ripple(name: str, channel: str) -> Iterator[Declared]:
@@ -245,7 +253,7 @@ def _all() -> Iterator[Declared]:
     )
     extremes = Sensitivity("psi_s", _own, resolution=_of_extremes_step)
     yield Declared("flux_ripple_pp", (extremes,), "extremes")
-    yield Declared("fundamental_frequency|switching_frequency_mean")
+    yield Declared("fundamental_frequency|switching_frequency_mean|coherence_(min|median)")
     fundamental = Sensitivity("i_a", _own)
     yield Declared("current_fundamental", (fundamental,), "line", _fundamental_Hz)
     yield Declared(r"current_harmonic_[1-9]\d*", (fundamental,), "line", _harmonic_Hz)
