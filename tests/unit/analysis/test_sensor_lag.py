@@ -173,6 +173,21 @@ def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
     assert 3e-5 < by_steps.standard < 3e-4
 
 
+@pytest.mark.parametrize(("name", "is_told"), [("rise_time", False), ("torque_residual_mean", True)])
+def test_a_size_is_not_corrected_below_zero(name: str, is_told: bool) -> None:
+    """A rise of 0.1 ms is none that a lag of 300 Hz showed: 1.1 ms with one more, 1.6 ms with two."""
+    later = {1: 1.1e-3, 2: 1.6e-3}
+
+    def again(altered: Perturbed) -> Iterator[Measurement]:
+        yield reading(name, later[altered.lags], 0.0, "s")
+
+    bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=300.0)})
+    instruments = Instruments(bench, rests_on=lambda _: ("torque",))
+    (found,) = instruments.applied([reading(name, 1e-4, 1e-6, "s")], again)
+    assert (found.uncertainty is not None, found.correction is not None) == (is_told, is_told)
+    assert is_told or (found.value, "more than it is" in found.uncertainty_reason) == (1e-4, True)
+
+
 def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
     bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=300.0)})
     order, _ = applied(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis import Correction, Measurement, Uncertainty
 from benchtool.block import Block
 from benchtool.plan.limits import Limit, Verdict, missed
 from benchtool.profile import Bench, Sensor
@@ -34,6 +35,18 @@ def test_a_ripple_that_the_shaft_contradicts_is_told_with_the_verdict_there() ->
     assert found.verdict is Verdict.FAIL
     assert found.to_json()["transducer"] == 0.194
     assert found.to_json()["standard_uncertainty"] == pytest.approx(math.hypot(0.0016, 0.002))
+
+
+def test_in_its_band_the_estimate_is_held_against_what_the_transducer_read() -> None:
+    """0.10 Nm behind the transducer's lag, as it read it, of 0.14 Nm without."""
+    estimate = _number("torque_ripple_rms", 0.14, 0.001)
+    true = replace(
+        _number("transducer_torque_ripple_rms", 0.14, 0.001), correction=Correction(0.04, "bandwidth")
+    )
+    narrow = replace(estimate, in_common_band=_number("torque_ripple_rms", 0.10, 0.001))
+    assert disagreements((narrow, true), {}) == ()
+    assert disagreements((estimate, true), {}) == ()
+    assert len(disagreements((replace(estimate, in_common_band=estimate), true), {})) == 1
 
 
 @pytest.mark.parametrize(
