@@ -108,3 +108,12 @@ def test_steps_of_an_angle_count_at_both_ends_unless_they_are_its_noise(name: st
     budget = {each.name: each.standard for each in uncertain.budget}
     noise = budget["noise of the angle at both ends"]
     assert (budget.get("resolution of the angle", 0.0) < noise) == is_noise
+
+
+@pytest.mark.parametrize("name", ["sensor_lag_1", "sensor_second_order_1", "sensor_known_2"])
+def test_what_a_sensor_took_off_is_within_its_uncertainty(name: str) -> None:
+    found = {each.measurement: each for each in scores(FAMILIES[name], 6)}
+    for measurement in ("current_thd_f", "torque_ripple_rms", "torque_order_6p", "current_harmonics_5"):
+        assert found[measurement].answered == 6
+        assert found[measurement].rms < 1.4, found[measurement]
+        assert found[measurement].verdict != "narrow", found[measurement]
