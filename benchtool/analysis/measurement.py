@@ -155,10 +155,26 @@ class Measurement:
 
 
 @dataclass(frozen=True)
+class LineColumn:
+    """A column of a table whose numbers are measurements of lines, one in each row.
+
+    `measurement` is what such a number is called, with that of the row's column "order" for `{order}`;
+    `uncertainty` the column of their standard uncertainties. Where a number hangs on the `frequency` of its
+    line, that is another measurement, and the column `frequency_column` over the row's order, if it has one.
+    """
+
+    value: str
+    uncertainty: str
+    measurement: str
+    frequency: str = ""
+    frequency_column: str = ""
+
+
+@dataclass(frozen=True)
 class Table:
     """Many numbers of one kind, such as harmonics: `columns` are (name, unit), `rows` as wide as they are.
 
-    `uncertainty_reason` says why rows have no uncertainty.
+    `lines` are the columns that hold measurements; `uncertainty_reason` says why rows have no uncertainty.
     """
 
     name: str
@@ -167,6 +183,7 @@ class Table:
     rows: tuple[tuple[float, ...], ...]
     basis: Basis = Basis()
     uncertainty_reason: str = ""
+    lines: tuple[LineColumn, ...] = ()
 
     def _repr_html_(self) -> str:
         columns = [f">{name} in {unit}" if unit else f">{name}" for name, unit in self.columns]

@@ -7,12 +7,11 @@ is found in the same way. Other tables say that their rows are as they were read
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
-from benchtool.analysis.measurement import Measurement, Table
+from benchtool.analysis.measurement import LineColumn, Measurement, Table
 from benchtool.analysis.uncertainty import Uncertainty
 
 Apply = Callable[[Measurement, Mapping[str, float]], Measurement]
@@ -28,61 +27,23 @@ _UNKNOWN = "the noise around the line is not known"
 Row = dict[str, float]
 
 
-@dataclass(frozen=True)
-class _Column:
-    """A column of numbers and that of their uncertainties, each number a measurement of that `name`, which
-    may hang on the order of the row; `others` are values of other measurements in that row."""
-
-    value: str
-    uncertainty: str
-    name: str
-    others: Callable[[Row], Mapping[str, float]] = lambda _: {}
-
-
-def _columns(table: str) -> tuple[_Column, ...]:
-    """Return the columns of a table that are measurements; none of a table of another kind."""
-    if found := re.fullmatch(r"(\w+)_harmonics", table):
-        name = f"{found[1]}_harmonic_{{order:.0f}}"
-        return (
-            _Column(
-                "amplitude",
-                "uncertainty",
-                name,
-                lambda row: {"fundamental_frequency": row["frequency"] / row["order"]},
-            ),
-        )
-    if found := re.fullmatch(r"(\w+)_orders", table):
-        return (_Column("amplitude", "uncertainty", f"{found[1]}_order_{{order:.0f}}"),)
-    if found := re.fullmatch(r"(\w+)_lines", table):
-        of, line = f"{found[1]}_line", f"{found[1]}_line_frequency"
-        return (
-            _Column(
-                "amplitude",
-                "amplitude_uncertainty",
-                f"{of}_amplitude",
-                lambda row: {line: row["frequency_Hz"]},
-            ),
-            _Column("frequency_Hz", "frequency_uncertainty_Hz", line),
-        )
-    return ()
-
-
 def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Table:
     """Return a table with its sensors in values and uncertainties; what was added is a column of its own.
 
     `values` are those of the measurements by name.
     """
-    columns = _columns(table.name)
-    if not table.rows or not columns:
-        return table if columns else replace(table, uncertainty_reason=table.uncertainty_reason or AS_READ)
+    if not table.lines:
+        return replace(table, uncertainty_reason=table.uncertainty_reason or AS_READ)
+    if not table.rows:
+        return table
     names = [name for name, _ in table.columns]
     units = dict(table.columns)
     rows = [dict(zip(names, row, strict=True)) for row in table.rows]
     added, remarks, reasons = [0.0] * len(rows), dict[str, None](), dict[str, list[int]]()
-    for column in columns:
+    for column in table.lines:
         for place, row in enumerate(rows):
             read = _read(row, column, units[column.value], table)
-            found = apply(read, {**values, **column.others(row)})
+            found = apply(read, {**values, **_frequency(row, column)})
             remarks[found.basis.sensors] = None
             if found.correction is not None:
                 added[place] = found.correction.added
@@ -107,15 +68,24 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
     )
 
 
-def _read(row: Row, column: _Column, unit: str, table: Table) -> Measurement:
+def _read(row: Row, column: LineColumn, unit: str, table: Table) -> Measurement:
     """Return the number of a row as a measurement."""
-    standard = row[column.uncertainty]
-    uncertain = Uncertainty(standard, table.definition) if math.isfinite(standard) else None
-    why = (
-        "" if uncertain is not None else table.uncertainty_reason or "the noise around the line is not known"
+    name, standard = column.measurement, row[column.uncertainty]
+    if "order" in row:
+        name = name.format(order=int(row["order"]))
+    if not math.isfinite(standard):
+        why = table.uncertainty_reason or _UNKNOWN
+        return Measurement(name, row[column.value], unit, "", table.basis, uncertainty_reason=why)
+    return Measurement(
+        name, row[column.value], unit, "", table.basis, Uncertainty(standard, table.definition)
     )
-    name = column.name.format_map(row)
-    return Measurement(name, row[column.value], unit, "", table.basis, uncertain, uncertainty_reason=why)
+
+
+def _frequency(row: Row, column: LineColumn) -> dict[str, float]:
+    """Return the measurement that tells at which frequency the line of a row is."""
+    if not column.frequency:
+        return {}
+    return {column.frequency: row[column.frequency_column] / row.get("order", 1.0)}
 
 
 def _with_shares(rows: list[Row], table: Table) -> None:

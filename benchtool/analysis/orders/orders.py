@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
-from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage, least_step_rad
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
@@ -177,6 +177,7 @@ def describe_orders(
         ),
         tuple(_rows(spectrum)),
         spectrum.basis,
+        lines=(LineColumn("amplitude", "uncertainty", f"{name}_order_{{order}}"),),
     )
     return Orders(tuple(measurements), (table,), spectrum, pole_pairs, slots)
 

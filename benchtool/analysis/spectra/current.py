@@ -144,7 +144,14 @@ def current_spectrum(
         *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
     )
     tables = [
-        harmonic_table(clean, "current_harmonics", unit, replace(lines, harmonics=highest), errors=errors)
+        harmonic_table(
+            clean,
+            "current_harmonics",
+            "current_harmonic_{order}",
+            unit,
+            replace(lines, harmonics=highest),
+            errors=errors,
+        )
     ]
     if sound.of_amplitudes:
         tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]

@@ -10,7 +10,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.measurement import Basis, LineColumn, Table
 from benchtool.analysis.repeated_steps import RepeatedSteps
 from benchtool.analysis.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
@@ -407,12 +407,16 @@ def distortion_and_noise(spectrum: CoherentSpectrum) -> float:
 def harmonic_table(
     spectrum: CoherentSpectrum,
     name: str,
+    measurement: str,
     unit: str,
     basis: Basis,
     highest_harmonic: int = HIGHEST_HARMONIC,
     errors: LineErrors | None = None,
 ) -> Table:
-    """Return harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty."""
+    """Return harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty.
+
+    Each amplitude is called `measurement` as a number by itself, with its order for `{order}`.
+    """
     amplitude = harmonics(spectrum)[:highest_harmonic]
     order = np.arange(1, len(amplitude) + 1)
     percent = 100.0 * amplitude / amplitude[0] if amplitude[0] > 0.0 else np.full(len(amplitude), math.nan)
@@ -440,6 +444,7 @@ def harmonic_table(
         ),
         tuple(tuple(float(value) for value in row) for row in zip(*columns, strict=True)),
         basis,
+        lines=(LineColumn("amplitude", "uncertainty", measurement, "fundamental_frequency", "frequency"),),
     )
 
 

@@ -11,7 +11,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
-from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeatability import wander_of_line
 from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
@@ -204,6 +204,7 @@ def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
+    frequency = f"{name}_line_frequency"
     return Table(
         f"{name}_lines",
         f"the largest sinusoids of {what}, means over the record, with standard uncertainties from the noise "
@@ -214,6 +215,12 @@ def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str,
         ),
         rows,
         basis,
+        lines=(
+            LineColumn(
+                "amplitude", "amplitude_uncertainty", f"{name}_line_amplitude", frequency, "frequency_Hz"
+            ),
+            LineColumn("frequency_Hz", "frequency_uncertainty_Hz", frequency),
+        ),
     )
 
 

@@ -19,7 +19,7 @@ from benchtool.analysis import (
 )
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import Instruments, Perturbed
-from benchtool.analysis.measurement import Basis
+from benchtool.analysis.measurement import Basis, LineColumn
 from benchtool.analysis.sensor_tables import AS_READ
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -206,7 +206,13 @@ def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
         *(("percent_of_largest", "%"), ("uncertainty", "Nm")),
     )
     rows = ((12.0, 0.2, 20.0, 100.0, 0.002), (24.0, 0.1, 10.0, 50.0, 0.002), (200.0, 0.1, 10.0, 50.0, 0.002))
-    table = Table("torque_orders", "", columns, (*rows, (23.0, 0.01, 1.0, 5.0, math.nan)))
+    table = Table(
+        "orders",
+        "",
+        columns,
+        (*rows, (23.0, 0.01, 1.0, 5.0, math.nan)),
+        lines=(LineColumn("amplitude", "uncertainty", "torque_order_{order}"),),
+    )
     instruments = Instruments(bench, [lines(f150=0.2, f300=0.1)], pole_pairs=4)
     order, _ = instruments.applied(measured)
     (found,) = instruments.applied_to([table], measured)
@@ -226,5 +232,5 @@ def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
     assert "order 23: the noise around the line is not known" in found.uncertainty_reason
     (again,) = tables_from_json(tables_to_json([found]))
     assert (again.uncertainty_reason, again.rows[1]) == (found.uncertainty_reason, found.rows[1])
-    (groups,) = instruments.applied_to([Table("current_groups", "", (("order", ""),), ((1.0,),))], measured)
+    (groups,) = instruments.applied_to([Table("groups", "", (("order", ""),), ((1.0,),))], measured)
     assert groups.uncertainty_reason == AS_READ
