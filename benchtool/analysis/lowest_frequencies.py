@@ -10,6 +10,7 @@ Statistical Science 14 (1999) 382).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -64,6 +65,45 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
 
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
     """
+    found = _bands(samples, periods)
+    if found is None:
+        return None
+    place, mean, width = found
+    most = np.full(len(place), _MOST_OF_A_BAND)
+    if periods >= _ENOUGH_PERIODS:
+        most[place > periods // 2] = _ABOVE_PERIODS
+    return _averaged(place, mean, np.minimum(width, most), periods)
+
+
+def walk_probability(pieces: Sequence[Floats]) -> float | None:
+    """Return how probable it is that noise wanders as a random walk does: that its density rises more steeply
+    than that of 1/f noise, and down to the lowest frequency that the longest of `pieces`, each of shape (n,)
+    and of any level and size, shows; None of too few samples.
+
+    Each piece alone shows few of the lowest frequencies; all are of one density.
+    """
+    longest = max(len(each) for each in pieces)
+    bands = [_bands(each, 0) for each in sorted(pieces, key=len, reverse=True)]
+    found = [each for each in bands if each is not None]
+    if not found or len(found) < len(pieces):
+        return None
+    usable, floors = _usable(found[0][0][-1])
+    prior = _prior(int(np.count_nonzero(usable)), len(floors))[: -1 - len(floors)]
+    log_weight = np.log(np.append(prior, _WHITE))
+    for (place, mean, width), piece in zip(found, sorted(pieces, key=len, reverse=True), strict=True):
+        falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
+        shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
+        fits, _ = _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
+        log_weight = log_weight + fits
+    weight = np.exp(log_weight - np.max(log_weight))
+    of_models = weight[:-1].reshape(len(_EXPONENTS), -1, len(floors))
+    steep, low = _EXPONENTS > 1.0, _CORNERS[usable] <= 1.0
+    return float(np.sum(of_models[steep][:, low]) / np.sum(weight))
+
+
+def _bands(samples: Floats, periods: int) -> tuple[Floats, Floats, Floats] | None:
+    """Return place, mean power and number of bins of the bands of samples, shape (n,), up to where the
+    density clearly rises; None of too few."""
     count = len(samples)
     if count < 2 * _FEWEST:
         return None
@@ -81,10 +121,7 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     last = _before_a_rise(place, mean, width)
     if np.sum(width[:last]) < _FEWEST:
         return None
-    most = np.full(last, _MOST_OF_A_BAND)
-    if periods >= _ENOUGH_PERIODS:
-        most[place[:last] > periods // 2] = _ABOVE_PERIODS
-    return _averaged(place[:last], mean[:last], np.minimum(width[:last], most), periods)
+    return place[:last], mean[:last], width[:last]
 
 
 def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
@@ -151,32 +188,59 @@ def _density(place: Floats) -> Floats:
 
 def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowNoise:
     """Return the error by all models, each of any size, with the weight that the bands give it."""
-    models, single = _models(), int(np.count_nonzero(place <= _SINGLE))
-    falling = _density(place)
-    falling[:, :, :single] = models.in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
-    known = place[-1]
-    floors = np.concatenate([[math.inf], _FLOORS[known > _FLOORS]])
-    usable = known > _CORNERS
-    usable[0] = True
-    level = np.zeros((len(_EXPONENTS), len(_CORNERS), len(floors)))
-    level[:, :, 1:] = _density(floors[1:])
-    shape = (falling[:, usable, np.newaxis, :] + level[:, usable, :, np.newaxis]).reshape(-1, len(place))
-    of_mean = (models.of_mean[:, usable, np.newaxis] + level[:, usable]).ravel()
+    usable, floors = _usable(place[-1])
+    shape = _shapes(_blurred(place), usable, floors)
+    level = _levels(usable, floors)
+    of_mean = (_models().of_mean[:, usable, np.newaxis] + level).ravel()
     low, one = _density(np.array([_LOWEST])), _density(np.array([1.0]))
-    rise = np.log2((low[:, usable] + level[:, usable]) / (one[:, usable] + level[:, usable])).ravel()
+    rise = np.log2((low[:, usable] + level) / (one[:, usable] + level)).ravel()
     steady = _steady(place, floors, periods)
     shape = np.vstack([shape, steady[:, 1:]])
     of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
-    bins = float(np.sum(count))
-    # its size is eliminated: 1 / size has a Gamma distribution
-    # einsum in place of a product of matrices, which would start threads
-    scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
-    fits = -np.einsum("ij,j->i", np.log(shape), count) - bins * np.log(scaled)
+    fits, scaled = _fits(shape, mean, count)
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
-    square = of_mean * scaled / max(bins - 1.0, 0.5)
+    square = of_mean * scaled / max(float(np.sum(count)) - 1.0, 0.5)
     return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+
+
+def _usable(known: float) -> tuple[NDArray[np.bool_], Floats]:
+    """Return which corners are of use where the highest place that is `known` is so many cycles, and the
+    floors, of which the first is none."""
+    usable = known > _CORNERS
+    usable[0] = True
+    return usable, np.concatenate([[math.inf], _FLOORS[known > _FLOORS]])
+
+
+def _blurred(place: Floats) -> Floats:
+    """Return the densities at places in a record, the lowest of which it blurs, shape (exponents, corners,
+    places)."""
+    falling, single = _density(place), int(np.count_nonzero(place <= _SINGLE))
+    falling[:, :, :single] = _models().in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
+    return falling
+
+
+def _levels(usable: NDArray[np.bool_], floors: Floats) -> Floats:
+    """Return the white noise that hides densities above floors, shape (exponents, corners, floors)."""
+    level = np.zeros((len(_EXPONENTS), int(np.count_nonzero(usable)), len(floors)))
+    level[:, :, 1:] = _density(floors[1:])[:, usable]
+    return level
+
+
+def _shapes(falling: Floats, usable: NDArray[np.bool_], floors: Floats) -> Floats:
+    """Return the densities of all models that are usable, each with each floor, shape (models, places)."""
+    level = _levels(usable, floors)
+    return (falling[:, usable, np.newaxis, :] + level[:, :, :, np.newaxis]).reshape(-1, falling.shape[-1])
+
+
+def _fits(shape: Floats, mean: Floats, count: Floats) -> tuple[Floats, Floats]:
+    """Return the logarithms of the likelihoods of models, shape (models,), each of any size, and the sizes
+    times the number of bins."""
+    # its size is eliminated: 1 / size has a Gamma distribution
+    # einsum in place of a product of matrices, which would start threads
+    scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
+    return -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled), scaled
 
 
 def _steady(place: Floats, floors: Floats, periods: int) -> Floats:

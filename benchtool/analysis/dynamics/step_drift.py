@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import at_rest_error
-from benchtool.analysis.dynamics.smoothing import without_a_line
 from benchtool.analysis.dynamics.step_shape import Step
-from benchtool.analysis.lowest_frequencies import slow_noise
+from benchtool.analysis.lowest_frequencies import walk_probability
 from benchtool.analysis.scatter import error_of_series, means_of_parts
 
 Floats = NDArray[np.float64]
@@ -20,9 +19,8 @@ _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever 
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
-_LOST = 3.4  # octaves by which noise rises below the lowest frequency of a piece, of two on average
-_OF_A_WALK = 4.8  # octaves: 1/f noise rises by 4.6 down to the lowest frequency of the models
-_LONG, _SHORT, _GROWS = 6, 24, 1.8  # parts of a record that Allan's variances are of; over the other
+_WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
+_LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST_AT_REST = 64  # samples
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
@@ -63,29 +61,37 @@ class _Slope:
 def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
 
-    The density of its noise rises then so far below the lowest frequencies of the samples before the step,
-    and of those `at_rest` after it where there are some, that what it moved by between both is not known, and
-    Allan's variance grows with the time that is averaged over; that of 1/f noise is constant, that of a line
-    falls. Of few samples Allan's variance says little: a density that rises by more than that of 1/f noise
-    does is that of a walk in any case. Where it `drifts`, that is about its drift.
+    What it moved by between the samples before the step and those `at_rest` after it is then not known. Each
+    of both shows few of the lowest frequencies; that the density of their noise rises towards zero frequency
+    more steeply than that of 1/f noise is told by both together. Where it `drifts`, that is about one slope
+    of both, as a drift goes on.
     """
     pieces = [each for each in (step.y_before, at_rest) if len(each) >= _FEWEST_AT_REST]
     if drifts:
-        pieces = [without_a_line(each) for each in pieces]
-    noises = [found for each in pieces if (found := slow_noise(each)) is not None]
-    if not pieces or len(noises) < len(pieces):
+        pieces = _about_one_slope(pieces)
+    if not pieces:
         return ""
-    rise, longest = sum(each.rise for each in noises) / len(noises), max(pieces, key=len)
+    longest = max(pieces, key=len)
     size = len(longest) // _LONG
-    longer = _allan_variance(longest, size)
-    grows = longer >= _GROWS * _allan_variance(longest, len(longest) // _SHORT)
-    if rise < _LOST or not (grows or rise > _OF_A_WALK):
+    wander = math.sqrt(_allan_variance(longest, size))
+    # twice the settling time after a step an exponential decay has left the square of what settling tolerates
+    if wander < _TOLERATED**2 * step.height:
+        return ""
+    probability = walk_probability(pieces)
+    if probability is None or probability < (_WANDERS if len(pieces) > 1 else _ALONE):
         return ""
     return (
-        f"the signal wanders at rest, by {math.sqrt(longer):.2g} {step.unit} rms within "
-        f"{size * step.period_s:.4g} s, and more the longer it is watched: find what moves it, or record "
-        f"less before and after the step"
+        f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "
+        f"and more the longer it is watched: find what moves it, or record less before and after the step"
     )
+
+
+def _about_one_slope(pieces: list[Floats]) -> list[Floats]:
+    """Return pieces, each of shape (n,), about lines of one slope, that of least squares."""
+    places = [np.arange(len(each)) - 0.5 * (len(each) - 1) for each in pieces]
+    square = sum(float(each @ each) for each in places)
+    slope = sum(float(place @ each) for place, each in zip(places, pieces, strict=True)) / max(square, 1.0)
+    return [each - slope * place for place, each in zip(places, pieces, strict=True)]
 
 
 def _allan_variance(samples: Floats, size: int) -> float:

@@ -106,7 +106,7 @@ def test_step_latency_ends_between_the_samples_of_the_first_movement(rows: int) 
     assert found.uncertainty is not None
     # between two samples the signal moved, and between two the reference
     assert found.uncertainty.standard == pytest.approx(
-        math.hypot(1.0 / math.sqrt(12.0), 0.5) / RATE_HZ, rel=0.05
+        math.hypot(1.0 / math.sqrt(12.0), 1.0 / math.sqrt(3.0)) / RATE_HZ, rel=0.05
     )
 
 
@@ -315,7 +315,7 @@ def test_slow_noise_is_not_taken_away_with_the_line() -> None:
 
 def test_slow_noise_at_rest_is_no_certain_overshoot() -> None:
     """A slow lag that has none, under a random walk that white noise hides at first."""
-    relative = []
+    relative, refused = [], 0
     for seed in (0, 17, 19, 35, 37, 39):
         random = np.random.default_rng([3, seed])
         time_s = np.arange(-200, 2000) * 1e-4
@@ -325,9 +325,13 @@ def test_slow_noise_at_rest_is_no_certain_overshoot() -> None:
         rows = np.stack([lag + noise, np.where(time_s >= 0.0, 1.0, 0.0)], axis=1)
         block = Block((Channel("y", "Nm"), Channel("r", "Nm")), 0, 1, 1e-4, rows)
         found = {each.name: each for each in analyze_step(block, "y", "r").measurements}["overshoot"]
-        assert found.uncertainty is not None
-        relative.append(found.value / found.uncertainty.standard)
-    assert max(relative) < 2.5
+        if found.uncertainty is None:
+            refused += "wanders" in found.reason
+        else:
+            relative.append(found.value / found.uncertainty.standard)
+    assert len(relative) + refused == 6
+    assert refused >= 2
+    assert max(relative, default=0.0) < 2.5
 
 
 @pytest.mark.slow
