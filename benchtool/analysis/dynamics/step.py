@@ -20,6 +20,7 @@ from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantit
 from benchtool.analysis.distributions import normal_below
 from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
 from benchtool.analysis.dynamics.clicks import too_many
+from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.departure import SIGMAS, departure
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
@@ -249,6 +250,12 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         peak = curve.place_of_greatest()
         standard = math.hypot(peak.standard, _OF_BLUNTED * later)
         peak = Instant(peak.place - _BLUNTED * later, standard)
+        corner = corner_near(step.y_clear, step.y_noise, int(np.argmax(curve.values)))
+        if corner is not None:
+            height = corner.height, corner.height_error
+            greatest, of_curve = corner.averaged((greatest, of_curve), height)
+            place = corner.place, corner.place_error
+            peak = Instant(*corner.averaged((peak.place, peak.standard), place))
     found = greatest - step.greatest
     text = "greatest value of the smoothed signal beyond the greatest reference"
     beyond = found if found > _ROUNDING * step.height else 0.0
@@ -269,7 +276,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
     lowest, standard = curve.least_after_greatest()
-    standard = _of_nonnegative(step.final - lowest, standard)
+    standard = _of_nonnegative(step.final - lowest, math.hypot(standard, step.final_error))
     yield _value(step, name, text, max(0.0, step.final - lowest), Uncertainty(standard, source))
 
 

@@ -9,7 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, analyze_step
+from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -39,7 +41,8 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     high = [_relative(each["overshoot"], corner / 70.0 - 1.0) for each in found]
     late = [_relative(each["peak_time"], corner / RATE_HZ) for each in found]
     assert 0.5 < np.sqrt(np.mean(np.square(high))) < 1.7
-    assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.9
+    assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.6
+    assert abs(np.mean(late)) < 0.8  # which windows that cut it off would move
 
 
 def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
@@ -76,6 +79,18 @@ def test_a_trough_two_rows_after_its_peak_is_found_between_rows(phase: float) ->
     assert np.sqrt(np.mean([_relative(each, truth) ** 2 for each in found])) < 1.8
 
 
+def test_the_peak_of_a_ringing_answer_is_no_corner_and_that_of_a_limited_one_is() -> None:
+    rows = np.arange(-30.0, 31.0)
+    noise = 4e-3 * np.random.default_rng(2).standard_normal(len(rows))
+    of_noise = Noise(np.array([1.6e-5]))
+    assert corner_near(1.4 - 0.2 * (rows / 20.0) ** 2 + noise, of_noise, 30) is None
+    found = corner_near(1.4 + np.minimum((rows - 1.3) / 60.0, (1.3 - rows) / 200.0) + noise, of_noise, 30)
+    assert found is not None
+    assert found.probability > 0.9
+    assert found.place == pytest.approx(31.3, abs=3.0 * found.place_error)
+    assert found.height == pytest.approx(1.4, abs=3.0 * found.height_error)
+
+
 def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> None:
     random = np.random.default_rng(14)
     rows, refused = 2400, {"walk": 0, "1/f": 0}
@@ -88,5 +103,5 @@ def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> 
         for name, noise in (("walk", walk), ("1/f", 0.01 * pink / np.std(pink))):
             found = _measured(y + noise, 500)["plateau_mean"]
             refused[name] += "wanders" in found.reason
-    assert refused["walk"] >= 6
+    assert refused["walk"] >= 9
     assert refused["1/f"] <= 1

@@ -1,0 +1,125 @@
+"""The peak of an answer at a corner, as of one that is limited in its rate: where two courses meet.
+
+Windows of a smooth curve cut a corner off: its height falls, and its place moves towards the flatter side.
+Whether two parabolas that meet describe the samples about it better than a smooth course of as many
+parameters, their likelihoods tell (model averaging: Hoeting et al., Statistical Science 14 (1999) 382).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.smoothing import Noise
+
+Floats = NDArray[np.float64]
+
+_LEAST_REACH, _MOST_REACH, _LONGER = 6, 120, 1.3  # rows to either side of the greatest value
+_PARAMETERS = 6
+_DESCRIBED = 2.0  # standard deviations of a sum of squares beyond what noise leaves
+_PLACES, _WITHIN = 161, 0.5  # where a corner is looked for, over what of the reach to either side
+_SHORTER, _OF_CHANGE = 2, 0.25  # stretches; what a stretch of 1.3^2 leaves out grows as its cube
+_PRIOR, _IMPROBABLE = 0.2, 1e-4  # probability of a corner before the samples are seen; of hardly a corner
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Height of a corner, and its place in rows, with their standard uncertainties; `probability` is that of
+    a corner against a smooth peak."""
+
+    height: float
+    height_error: float
+    place: float
+    place_error: float
+    probability: float
+
+    def averaged(self, smooth: tuple[float, float], corner: tuple[float, float]) -> tuple[float, float]:
+        """Return a value and its standard uncertainty of a `smooth` peak or of a `corner`, each as likely as
+        it is."""
+        share = self.probability
+        apart = corner[0] - smooth[0]
+        square = share * corner[1] ** 2 + (1.0 - share) * smooth[1] ** 2 + share * (1.0 - share) * apart**2
+        return smooth[0] + share * apart, math.sqrt(square)
+
+
+def corner_near(samples: Floats, noise: Noise, top: int) -> Corner | None:
+    """Return the corner near row `top` of samples, shape (n,), in this noise; None where there is no noise,
+    where neither course describes the samples, or where there is hardly a corner.
+
+    The longest stretch about `top` that one of them describes tells most.
+    """
+    if not noise.rms > 0.0:
+        return None
+    found: list[Corner] = []
+    reach = float(_LEAST_REACH)
+    while (rows := round(reach)) <= min(top, len(samples) - 1 - top, _MOST_REACH):
+        fitted = _fitted(samples[top - rows : top + rows + 1], noise)
+        if fitted is None:
+            break
+        if fitted.probability < _IMPROBABLE:
+            return None
+        found.append(fitted)
+        reach *= _LONGER
+    if not found:
+        return None
+    # how likely it is a long stretch tells best, where it is a shorter one, which leaves less out
+    long, short = found[-1], found[max(0, len(found) - 1 - _SHORTER)]
+    return Corner(
+        short.height,
+        math.hypot(short.height_error, _OF_CHANGE * (long.height - short.height)),
+        top + short.place,
+        math.hypot(short.place_error, _OF_CHANGE * (long.place - short.place)),
+        long.probability,
+    )
+
+
+def _fitted(samples: Floats, noise: Noise) -> Corner | None:
+    """Return the corner about the middle of samples, shape (2 rows + 1,), with its place from there."""
+    count = len(samples)
+    covariance = np.zeros(count)
+    lags = min(count, len(noise.autocovariance))
+    covariance[:lags] = noise.autocovariance[:lags]
+    lags_apart = np.abs(np.arange(count)[:, np.newaxis] - np.arange(count))
+    whiten = np.linalg.inv(np.linalg.cholesky(covariance[lags_apart] + 1e-9 * covariance[0] * np.eye(count)))
+    white, rows = whiten @ samples, np.arange(count) - 0.5 * (count - 1)
+
+    of_smooth = _left(whiten @ np.vander(rows / rows[-1], _PARAMETERS), white)
+    within = _WITHIN * rows[-1]
+    places = np.linspace(-within, within, _PLACES)
+    left, heights, errors = np.full(len(places), math.inf), np.zeros(len(places)), np.zeros(len(places))
+    for number, place in enumerate(places):
+        before, after = (part(rows - place, 0.0) / rows[-1] for part in (np.minimum, np.maximum))
+        courses = whiten @ np.stack([np.ones(count), before, after, before**2, after**2], axis=1)
+        inverse = np.linalg.inv(courses.T @ courses)
+        fit = inverse @ (courses.T @ white)
+        if fit[1] > 0.0 > fit[2]:
+            residual = white - courses @ fit
+            left[number] = float(residual @ residual)
+            heights[number], errors[number] = float(fit[0]), math.sqrt(inverse[0, 0])
+    dof = count - _PARAMETERS
+    least = float(np.min(left))
+    if min(of_smooth, least) > dof + _DESCRIBED * math.sqrt(2.0 * dof):
+        return None
+    if not math.isfinite(least):
+        return Corner(0.0, 0.0, 0.0, 0.0, 0.0)  # no parabolas that rise to it and fall
+    weight = np.exp(-0.5 * (left - least))
+    weight /= np.sum(weight)
+    place, height = float(weight @ places), float(weight @ heights)
+    odds = _PRIOR / (1.0 - _PRIOR) * math.exp(min(0.5 * (of_smooth - least), 50.0))
+    return Corner(
+        height,
+        math.sqrt(float(weight @ (errors**2 + (heights - height) ** 2))),
+        place,
+        math.sqrt(float(weight @ (places - place) ** 2) + (places[1] - places[0]) ** 2 / 12.0),
+        odds / (1.0 + odds),
+    )
+
+
+def _left(columns: Floats, white: Floats) -> float:
+    """Return the sum of squares that a least-squares fit leaves."""
+    fit, *_ = np.linalg.lstsq(columns, white, rcond=None)
+    residual = white - columns @ fit
+    return float(residual @ residual)
