@@ -36,7 +36,7 @@ _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
 _FIRST_PEAKS = 20  # rows from a step on
-_WITHIN = 0.5  # samples, at most one: how far a step is known from its row
+_WITHIN = 1.0 / math.sqrt(3.0)  # rms of anywhere within a row before
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,11 @@ class Step:
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
     the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
     uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
-    `greatest_error` is the standard uncertainty that its noise leaves, and `r_errors`, shape (draws, n), what
-    it may leave in `r`; without noise there are no draws. `y_clear` is the signal without
-    its `clicks` samples that are far from their neighbours, `y_before` the same up to the step, and `y_noise`
-    its noise at rest. `shown_late` is for how long after a row it is shown at most, in rows.
+    `greatest_error` and `final_error` are the standard uncertainties that its noise leaves in these, and
+    `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are no draws. `y_clear` is the
+    signal without its `clicks` samples that are far from their neighbours, `y_before` the same up to the
+    step, and `y_noise` its noise at rest. `shown_late` is for how long after a row it is shown at most, in
+    rows.
     """
 
     y: Floats
@@ -69,6 +70,7 @@ class Step:
     greatest_error: float
     tail: int
     final: float
+    final_error: float
     shown_late: float
     period_s: float
     unit: str
@@ -104,10 +106,11 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
 
     The step is where the reference first leaves its first value by half of its greatest excursion, so that
     a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. The
-    record does not show when between two rows a step was made; the standard uncertainty of that is half a
-    row. A reference that is `held`, as a drive holds its own from tick to tick, changes at one of the ticks
-    since the row before: at its row exactly where each tick is a row. A reference that falls back after a
-    while is a pulse and allowed. Of a signal that is held for several rows one sample of each is taken.
+    record does not show when between two rows a step was made: anywhere within the row before, of which the
+    root mean square is 0.58 rows. A reference that is `held`, as a drive holds its own from tick to tick,
+    changes at one of the ticks since the row before: at its row exactly where each tick is a row. A reference
+    that falls back after a while is a pulse and allowed. Of a signal that is held for several rows one sample
+    of each is taken.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
@@ -162,6 +165,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         greatest_error=greatest_error,
         tail=tail,
         final=float(np.mean(r[-tail:])),
+        final_error=r_noise.of_mean(tail),
         shown_late=1.0 if held_rows > 1 else 0.0,
         period_s=1.0 / rate_Hz,
         unit=unit,
@@ -198,8 +202,9 @@ def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, fl
 
 
 def _within(block: Block, *, held: bool) -> float:
-    """Return how far a step is known from its row, in rows."""
-    return _WITHIN * (1.0 - 1.0 / block.stride) if held else _WITHIN
+    """Return the rms of how far before its row a step may be, in rows."""
+    ticks = block.stride
+    return math.sqrt((ticks - 1.0) * (ticks - 0.5) / 3.0) / ticks if held else _WITHIN
 
 
 def _step_row(reference: Floats, name: str) -> int:
