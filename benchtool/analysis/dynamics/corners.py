@@ -22,6 +22,7 @@ _PARAMETERS = 6
 _DESCRIBED = 2.0  # standard deviations of a sum of squares beyond what noise leaves
 _PLACES, _WITHIN = 161, 0.5  # where a corner is looked for, over what of the reach to either side
 _SHORTER, _OF_CHANGE = 2, 0.25  # stretches; what a stretch of 1.3^2 leaves out grows as its cube
+_BY_CHANCE, _OF_MEMORY = 2.0, 3  # standard deviations of a correlation; times its length
 _PRIOR, _IMPROBABLE = 0.2, 1e-4  # probability of a corner before the samples are seen; of hardly a corner
 
 
@@ -80,8 +81,9 @@ def _fitted(samples: Floats, noise: Noise) -> Corner | None:
     """Return the corner about the middle of samples, shape (2 rows + 1,), with its place from there."""
     count = len(samples)
     covariance = np.zeros(count)
-    lags = min(count, len(noise.autocovariance))
-    covariance[:lags] = noise.autocovariance[:lags]
+    known = _significant(noise.autocovariance)
+    lags = min(count, len(known))
+    covariance[:lags] = known[:lags]
     lags_apart = np.abs(np.arange(count)[:, np.newaxis] - np.arange(count))
     whiten = np.linalg.inv(np.linalg.cholesky(covariance[lags_apart] + 1e-9 * covariance[0] * np.eye(count)))
     white, rows = whiten @ samples, np.arange(count) - 0.5 * (count - 1)
@@ -116,6 +118,17 @@ def _fitted(samples: Floats, noise: Noise) -> Corner | None:
         math.sqrt(float(weight @ (places - place) ** 2) + (places[1] - places[0]) ** 2 / 12.0),
         odds / (1.0 + odds),
     )
+
+
+def _significant(autocovariance: Floats) -> Floats:
+    """Return an autocovariance, shape (lags,), of a piece four times as long, without those lags at which it
+    is chance: courses would be fitted to it, and be found too certain. Tapered by Bartlett's window, its
+    spectrum is nowhere negative."""
+    by_chance = _BY_CHANCE / math.sqrt(4.0 * len(autocovariance)) * float(autocovariance[0])
+    ended = np.flatnonzero(np.abs(autocovariance) < by_chance)
+    last = int(ended[0]) if len(ended) else len(autocovariance)
+    lags = 1 if last == 1 else min(_OF_MEMORY * last, len(autocovariance))
+    return np.asarray(autocovariance[:lags] * (1.0 - np.arange(lags) / lags))
 
 
 def _left(columns: Floats, white: Floats) -> float:
