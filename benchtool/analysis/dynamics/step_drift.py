@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import at_rest_error
 from benchtool.analysis.dynamics.step_shape import Step
-from benchtool.analysis.lowest_frequencies import walk_probability
+from benchtool.analysis.lowest_frequencies import slow_noise, walk_probability
 from benchtool.analysis.scatter import error_of_series, means_of_parts
 
 Floats = NDArray[np.float64]
@@ -20,6 +20,7 @@ _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
 _WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
+_SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST_AT_REST = 64  # samples
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
@@ -76,6 +77,10 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     wander = math.sqrt(_allan_variance(longest, size))
     # twice the settling time after a step an exponential decay has left the square of what settling tolerates
     if wander < _TOLERATED**2 * step.height:
+        return ""
+    # what only follows the step is how the answer creeps to its level
+    noise = slow_noise(pieces[0]) if len(step.y_before) >= _FEWEST_AT_REST else None
+    if noise is None or noise.rise < _SHOWS:
         return ""
     probability = walk_probability(pieces)
     if probability is None or probability < (_WANDERS if len(pieces) > 1 else _ALONE):
