@@ -40,6 +40,7 @@ _LAST_OF_FIRST, _BESIDE = 0.75, 0.75  # of the distance between harmonics; sin^2
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by five at most
 _WEIGHTLESS = 1e-4  # of all models
+_ELSEWHERE = 3.0  # standard deviations of the logarithm of a size
 _STEPS = 50  # of Newton's method, of which some eight are taken
 _STEP = 1e-10
 _K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
@@ -93,7 +94,7 @@ def walk_probability(pieces: Sequence[Floats]) -> float | None:
     for (place, mean, width), piece in zip(found, sorted(pieces, key=len, reverse=True), strict=True):
         falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
         shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
-        fits, _ = _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
+        fits = _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
         log_weight = log_weight + fits
     weight = np.exp(log_weight - np.max(log_weight))
     of_models = weight[:-1].reshape(len(_EXPONENTS), -1, len(floors))
@@ -197,12 +198,37 @@ def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowN
     steady = _steady(place, floors, periods)
     shape = np.vstack([shape, steady[:, 1:]])
     of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
-    fits, scaled = _fits(shape, mean, count)
+    fits = _fits(shape, mean, count)
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
-    square = of_mean * scaled / max(float(np.sum(count)) - 1.0, 0.5)
+    size2 = _size2(shape, mean * count, count, place <= _SINGLE)
+    if periods:  # levels of periods show below the first harmonic, as their means do
+        levels = slice(len(shape) - len(floors), None)
+        below = place < periods
+        size2[levels] = _posterior(shape[levels], mean * count, count, below)
+    square = of_mean * size2
     return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+
+
+def _size2(shape: Floats, power: Floats, count: Floats, low: NDArray[np.bool_]) -> Floats:
+    """Return the mean of the posterior of the size of densities, shape (models,), of the `power` in bands of
+    `count` bins, shape (bands,): a model that fits above, and in the `low` bands clearly does not, has the
+    size that these tell."""
+    by_all = _posterior(shape, power, count, np.ones(len(count), dtype=bool))
+    if not 0 < np.count_nonzero(low) < len(low) or np.sum(count[low]) < _FEWEST:
+        return by_all
+    by_low, by_rest = (_posterior(shape, power, count, each) for each in (low, ~low))
+    standard = math.sqrt(1.0 / float(np.sum(count[low])) + 1.0 / float(np.sum(count[~low])))
+    return np.where(np.abs(np.log(by_low / by_rest)) > _ELSEWHERE * standard, by_low, by_all)
+
+
+def _posterior(shape: Floats, power: Floats, count: Floats, taken: NDArray[np.bool_]) -> Floats:
+    """Return the mean of the inverse Gamma distribution of each model's size, shape (models,), by the bands
+    `taken`."""
+    # einsum in place of a product of matrices, which would start threads
+    scaled = np.einsum("ij,j->i", 1.0 / shape[:, taken], power[taken])
+    return np.asarray(scaled / max(float(np.sum(count[taken])) - 1.0, 0.5))
 
 
 def _usable(known: float) -> tuple[NDArray[np.bool_], Floats]:
@@ -234,13 +260,12 @@ def _shapes(falling: Floats, usable: NDArray[np.bool_], floors: Floats) -> Float
     return (falling[:, usable, np.newaxis, :] + level[:, :, :, np.newaxis]).reshape(-1, falling.shape[-1])
 
 
-def _fits(shape: Floats, mean: Floats, count: Floats) -> tuple[Floats, Floats]:
-    """Return the logarithms of the likelihoods of models, shape (models,), each of any size, and the sizes
-    times the number of bins."""
+def _fits(shape: Floats, mean: Floats, count: Floats) -> Floats:
+    """Return the logarithms of the likelihoods of models, shape (models,), each of any size."""
     # its size is eliminated: 1 / size has a Gamma distribution
     # einsum in place of a product of matrices, which would start threads
     scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
-    return -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled), scaled
+    return -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled)
 
 
 def _steady(place: Floats, floors: Floats, periods: int) -> Floats:
