@@ -18,9 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy import fft
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.few_steps import FewSteps, few_steps
+from benchtool.analysis.quantisation import level_of
 
 _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
@@ -32,6 +34,7 @@ _AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
 _TERMS = 20  # with which a share is computed
 _FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
+_FEWEST_TURNS = 3
 _LEAST_SLOPE, _UNSURE = 0.2, 0.05  # a weak line as read over as it is; share of the draws
 
 Floats = NDArray[np.float64]
@@ -156,7 +159,7 @@ def repeated_steps(
     if table is None:
         return None
     kept = _without_the_weakest(phasors, step)
-    spanned = 2.0 * float(np.sum(np.abs(kept))) / step
+    spanned = _spanned(kept, step)
     needed = max(_FEWEST_POINTS, 4 * len(phasors), math.ceil(_POINTS_PER_STEP * spanned))
     points = _distinct(samples, periods, needed)
     if level is not None and spanned < _FEW:
@@ -177,6 +180,66 @@ def repeated_steps(
         place = np.floor(np.mod(turns, 1.0) * points).astype(np.int64) % points
         errors *= np.bincount(place, minlength=points) * (points / len(turns))
     return RepeatedSteps(mean + _waveforms(kept[np.newaxis], points)[0], errors)
+
+
+def steps_of_periods(
+    samples: Floats, begins: NDArray[np.int64], per_revolution: int, step: float
+) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps in samples, shape (n,), that are the same in every period or,
+    where the waveform spans few steps, in every revolution; None where noise hides them.
+
+    `begins`, shape (periods + 1,), are the rows at which periods begin, of which so many make a revolution.
+    """
+    of_period = _Repeated.of(samples, begins)
+    if _spanned(_without_the_weakest(of_period.phasors, step), step) < _FEW:
+        turns = begins[::per_revolution]
+        is_period = per_revolution == 1 or len(turns) <= _FEWEST_TURNS
+        of_turn = of_period if is_period else _Repeated.of(samples, turns)
+        found = of_turn.errors(step, level_of(samples, step))
+        if found is not None and found.has_noise:
+            return found
+    # where the mean lies between levels is off by what it is read wrong
+    return of_period.errors(step)
+
+
+@dataclass(frozen=True)
+class _Repeated:
+    """The mean of `periods` of a signal, its harmonics 1, 2 ..., peak `phasors` of shape (n,), and the mean
+    square of the noise that is left, of so many `samples`."""
+
+    mean: float
+    phasors: NDArray[np.complex128]
+    noise2: float
+    samples: float
+    periods: int
+
+    @staticmethod
+    def of(samples: Floats, begins: NDArray[np.int64]) -> _Repeated:
+        """Return that of samples, shape (n,), whose periods begin at these rows, shape (periods + 1,)."""
+        periods = len(begins) - 1
+        points = round((begins[-1] - begins[0]) / periods)
+        at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
+        table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
+        phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / points)
+        if points % 2 == 0:
+            phasors[-1] *= 0.5
+        # periods begin within a sample: what the slope makes of that is no noise
+        number = np.arange(periods + 1)
+        within2 = float(np.var(begins - Polynomial.fit(number, begins, min(2, periods))(number)))
+        slope = phasors * np.arange(1, len(phasors) + 1) * (2.0 * np.pi / points)
+        left = float(np.mean(np.var(table, axis=0, ddof=1))) - within2 * float(np.sum(np.abs(slope) ** 2))
+        # nor are periods that the track does not follow closely, which leave neighbouring samples alike
+        noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
+        return _Repeated(float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods)
+
+    def errors(self, step: float, level: float | None = None) -> RepeatedSteps | None:
+        return repeated_steps(
+            self.mean, self.phasors, step, self.noise2, self.samples, self.periods, level=level
+        )
+
+
+def _spanned(kept: Complex, step: float) -> float:
+    return 2.0 * float(np.sum(np.abs(kept))) / step
 
 
 def _error_of_a_step(noise: float) -> Floats | None:

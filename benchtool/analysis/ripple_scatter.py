@@ -8,12 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy import fft
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation import level_of
-from benchtool.analysis.repeated_steps import RepeatedSteps, repeated_steps
+from benchtool.analysis.repeated_steps import RepeatedSteps, steps_of_periods
 from benchtool.analysis.scatter import (
     MeanError,
     at_lowest_frequencies,
@@ -125,7 +123,9 @@ def scatter_of_periods(
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,
-        steps=_of_steps(within, repeats, step) if percentiles and step > 0.0 else None,
+        steps=steps_of_periods(within, rows, repeats.per_revolution, step)
+        if percentiles and step > 0.0
+        else None,
     )
 
 
@@ -366,37 +366,3 @@ def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
     """Return the rows of equally many whole periods each."""
     edges = [int(each[0]) for each in np.array_split(begin, _PARTS)]
     return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))
-
-
-def _of_steps(samples: Floats, repeats: Periods, step: float) -> RepeatedSteps | None:
-    """Return the errors of a converter's steps that are the same in every period or, where those are few, in
-    every revolution; None where noise hides them."""
-    turns = repeats.rows[:: repeats.per_revolution]
-    if len(turns) <= FEWEST_PERIODS:
-        turns = repeats.rows
-    found = _repeated_steps(samples, turns, step, level_of(samples, step))
-    # where the mean lies between levels is off by what it is read wrong
-    return found if found is not None and found.has_noise else _repeated_steps(samples, repeats.rows, step)
-
-
-def _repeated_steps(
-    samples: Floats, begins: NDArray[np.int64], step: float, level: float | None = None
-) -> RepeatedSteps | None:
-    """Return the errors of a converter's steps that are the same in every period; None where noise hides
-    them."""
-    periods = len(begins) - 1
-    points = round((begins[-1] - begins[0]) / periods)
-    at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
-    table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
-    phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / points)
-    if points % 2 == 0:
-        phasors[-1] *= 0.5
-    # periods begin within a sample: what the slope makes of that is no noise
-    number = np.arange(periods + 1)
-    within2 = float(np.var(begins - Polynomial.fit(number, begins, min(2, periods))(number)))
-    slope = phasors * np.arange(1, len(phasors) + 1) * (2.0 * np.pi / points)
-    left = float(np.mean(np.var(table, axis=0, ddof=1))) - within2 * float(np.sum(np.abs(slope) ** 2))
-    # nor are periods that the track does not follow closely, which leave neighbouring samples alike
-    noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
-    mean, covered = float(np.mean(table)), float(begins[-1] - begins[0])
-    return repeated_steps(mean, phasors, step, noise2, covered, periods, level=level)
