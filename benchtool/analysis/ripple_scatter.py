@@ -116,7 +116,7 @@ def scatter_of_periods(
         repeated=repeats.name,
         mean=of_mean.error,
         rms=error_of_root(squares, rms, error_of_square),
-        percentile_range=_percentile_scatter(within, repeats, rest, of_mean.lines)
+        percentile_range=_percentile_scatter(within, repeats, of_mean)
         if percentiles
         else MeanError(math.nan, math.nan),
         peak_to_peak=_extremes(within, rest, begin, tail),
@@ -197,12 +197,14 @@ def _grow_together(one: Floats, other: Floats) -> bool:
 @dataclass(frozen=True)
 class _Slowly:
     """Mean of a series without what its incomplete period and the incomplete cycles of its slow lines make of
-    it, and its error by what is `left` without these `lines`, shape (n,)."""
+    it, and its error by what is `left` without these `lines`, shape (n,), and without the `course` of few
+    constants that the means of the periods have besides, shape (periods,), if they have one."""
 
     left: Floats
     mean: float
     error: MeanError
     lines: SlowLines | None
+    course: Floats | None
 
     @property
     def of_lines(self) -> float:
@@ -230,7 +232,8 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
         error = at_lowest_frequencies(rest, error_of_series(means), periods)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
-    return _Slowly(left, mean, error, lines)
+    course = None if trend is None else means - middle - size * trend.rest
+    return _Slowly(left, mean, error, lines, course)
 
 
 def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, float]:
@@ -286,23 +289,30 @@ def _deviations(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.in
     return np.asarray(table - np.mean(table, axis=0)).ravel()
 
 
-def _percentile_scatter(
-    samples: Floats, repeats: Periods, rest: Floats, lines: SlowLines | None
-) -> MeanError:
-    """Return the standard uncertainty of the percentile range, by what each period contributes to it.
+def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> MeanError:
+    """Return the standard uncertainty of the percentile range of samples, shape (n,), by what each period
+    contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
     neighbouring periods are correlated, how the ranges of parts of the record scatter is added. What it moves
     by from sample to sample is a series as the samples are, with noise that is too slow for the record. How
-    many samples slow lines bring beyond is expected: by the distribution of the `rest`, shape (n,), without
+    many samples slow lines and a course bring beyond is expected: by the distribution of the rest without
     them. What is not, is where in a cycle the record begins and ends.
     """
     beyond, begin = _Beyond.of(samples), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
-    if lines is not None and lines.are_apart:
+    lines = of_mean.lines
+    if lines is not None and not lines.are_apart:
+        lines = None
+    rest = samples if lines is None else of_mean.left[: len(samples)]
+    if of_mean.course is not None:
+        middle = 0.5 * (begin + repeats.rows[1:])
+        rest = rest - np.interp(np.arange(0.5, len(samples)), middle, of_mean.course)
+    if rest is not samples:
         order = np.sort(rest)
         moved -= beyond.expected(order, samples - rest)
+    if lines is not None:
         place = np.linspace(0.0, 1.0, _PLACES)
         begins = np.arange(_BEGINS) * (math.sqrt(5.0) - 1.0) / 2.0
         shifted = [float(np.mean(beyond.expected(order, lines.at(place + each)))) for each in begins]
@@ -312,12 +322,21 @@ def _percentile_scatter(
     linear = MeanError(math.hypot(slowly.error.standard, incomplete, of_cycles), slowly.error.dof)
     of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     linear = MeanError(of_few * linear.standard, linear.dof)
-    if len(begin) < _CORRELATED * (linear.dof + 1.0) or len(begin) < 2 * _PARTS:
+    # of most periods no sample is beyond: how long their ripple remembers shows in its deviation
+    dof = min(linear.dof, error_of_series(_deviation_of_periods(rest, repeats)).dof)
+    if len(begin) < _CORRELATED * (dof + 1.0) or len(begin) < 2 * _PARTS:
         return linear
     # few stretches make the tail, and with it the density there: those of parts say how much it varies
-    parts = np.array([percentile_range(samples[rows]) for rows in _parts(begin, len(samples))])
+    parts = np.array([percentile_range(rest[rows]) for rows in _parts(begin, len(samples))])
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
     return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+
+
+def _deviation_of_periods(samples: Floats, repeats: Periods) -> Floats:
+    """Return the rms of each period about its own mean, shape (periods,)."""
+    begin, counts = repeats.rows[:-1], np.diff(repeats.rows)
+    deviation = samples - np.repeat(np.add.reduceat(samples, begin) / counts, counts)
+    return np.asarray(np.sqrt(np.add.reduceat(deviation**2, begin) / counts))
 
 
 @dataclass(frozen=True)
