@@ -36,7 +36,8 @@ _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlatio
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
 _ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
 _NOT_NOISE, _MAYBE_CORRELATED = 1e-4, 0.0  # by chance; standard deviations of a correlation
-_FEW_MAXIMA, _OF_THEIR_OWN = 4, 0.6  # of the largest, and of the deviation of all
+_OF_ROOT = 1.5  # largest values, over the root of how many there are
+_FEW_MAXIMA, _OF_THEIR_OWN = 20, 0.6  # values, and of the deviation of all
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 _NEIGHBOURS = 2  # values that count as one by chance alone
@@ -310,8 +311,9 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
         if apart > _NEIGHBOURS:
             least = min(float(np.std(values, ddof=1)), _above_median(values))
     count = len(values)
-    beyond = max(FEWEST_EXTREMES - 1, round(math.sqrt(count)))
-    if beyond <= _FEW_MAXIMA:
+    # fewer are low by chance where the largest is, and its error then is many times what they say
+    beyond = max(FEWEST_EXTREMES - 1, round(_OF_ROOT * math.sqrt(count)))
+    if count <= _FEW_MAXIMA:
         least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
