@@ -35,6 +35,7 @@ _WHOLE = 0.5  # of the distance of such points: rows that move by less over the 
 _TERMS = 20  # with which a share is computed
 _FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
 _FEWEST_TURNS = 3
+_NOT_FOLLOWED, _COHERENT = 2.0, 0.5  # times the noise; share of a harmonic's power that is in the mean
 _LEAST_SLOPE, _UNSURE = 0.2, 0.05  # a weak line as read over as it is; share of the draws
 
 Floats = NDArray[np.float64]
@@ -230,12 +231,27 @@ class _Repeated:
         left = float(np.mean(np.var(table, axis=0, ddof=1))) - within2 * float(np.sum(np.abs(slope) ** 2))
         # nor are periods that the track does not follow closely, which leave neighbouring samples alike
         noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
+        if left > _NOT_FOLLOWED * noise2:
+            phasors *= _smeared(table, phasors)
         return _Repeated(float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods)
 
     def errors(self, step: float, level: float | None = None) -> RepeatedSteps | None:
         return repeated_steps(
             self.mean, self.phasors, step, self.noise2, self.samples, self.periods, level=level
         )
+
+
+def _smeared(table: Floats, phasors: Complex) -> Floats:
+    """Return by how much the harmonics of the periods in rows of a table, shape (periods, points), are larger
+    than those of their mean, shape (n,), which the wander of their phases makes smaller; 1 for those that are
+    hardly in it."""
+    points = table.shape[1]
+    power = np.mean(np.abs(fft.rfft(table, axis=1)[:, 1:]) ** 2, axis=0) * (2.0 / points) ** 2
+    if points % 2 == 0:
+        power[-1] *= 0.25
+    of_mean = np.abs(phasors) ** 2
+    share = np.divide(of_mean, power, out=np.zeros(len(power)), where=power > 0.0)
+    return np.asarray(np.where(share > _COHERENT, 1.0 / np.sqrt(np.maximum(share, _COHERENT)), 1.0))
 
 
 def _spanned(kept: Complex, step: float) -> float:

@@ -217,7 +217,8 @@ def _numbers(
         if clipped:
             return Measurement.undefined(full, unit, text, clipped, basis)
         if scatter is None or error is None:
-            return Measurement(full, value, unit, text, basis, uncertainty_reason=unknown)
+            why = unknown or _TOO_FEW_EXTREMES
+            return Measurement(full, value, unit, text, basis, uncertainty_reason=why)
         budget = (
             error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),

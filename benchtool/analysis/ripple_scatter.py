@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.repeated_steps import RepeatedSteps, steps_of_periods
 from benchtool.analysis.scatter import (
+    FEWEST_EXTREMES,
     MeanError,
     at_lowest_frequencies,
     error_of_root,
@@ -67,6 +68,7 @@ class Periods:
 class Scatter:
     """Uncertainties of mean, rms and percentile range, and the standard deviation of a peak-to-peak.
 
+    That of the percentile range is None of fewer than four periods, in which it is an extreme as well.
     `whole_mean` and `whole_rms` are the mean and rms without what incomplete periods and cycles make of them,
     `steps` the errors of a converter's steps that repeat.
     """
@@ -75,7 +77,7 @@ class Scatter:
     repeated: str
     mean: MeanError
     rms: MeanError
-    percentile_range: MeanError
+    percentile_range: MeanError | None
     peak_to_peak: float
     mean_peak_to_peak: float
     whole_mean: float
@@ -117,8 +119,8 @@ def scatter_of_periods(
         mean=of_mean.error,
         rms=error_of_root(squares, rms, error_of_square),
         percentile_range=_percentile_scatter(within, repeats, of_mean)
-        if percentiles
-        else MeanError(math.nan, math.nan),
+        if percentiles and count >= FEWEST_EXTREMES
+        else None,
         peak_to_peak=_extremes(within, rest, begin, tail),
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
@@ -323,7 +325,10 @@ def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> 
     of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     linear = MeanError(of_few * linear.standard, linear.dof)
     # of most periods no sample is beyond: how long their ripple remembers shows in its deviation
-    dof = min(linear.dof, error_of_series(_deviation_of_periods(rest, repeats)).dof)
+    sizes = _deviation_of_periods(rest, repeats)
+    of_size, dof = error_of_series(sizes), linear.dof
+    if not (beyond.high - beyond.low) * of_size.standard < linear.standard * float(np.mean(sizes)):
+        dof = min(dof, of_size.dof)
     if len(begin) < _CORRELATED * (dof + 1.0) or len(begin) < 2 * _PARTS:
         return linear
     # few stretches make the tail, and with it the density there: those of parts say how much it varies
