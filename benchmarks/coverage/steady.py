@@ -219,7 +219,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         "torque_mean": what.torque_Nm,
         "torque_ripple_pp": float(np.ptp(made.clean_torque_Nm)) if _is_clean(what) else OF_THE_ENSEMBLE,
         "torque_ripple_percentile_range": percentile_range(made.clean_torque_Nm)
-        if what.bits
+        if _is_clean(what)
         else OF_THE_ENSEMBLE,
         "torque_ripple_rms": math.sqrt(
             0.5 * RIPPLE_NM**2 * (1.0 + what.ripple_noise[0] ** 2)
