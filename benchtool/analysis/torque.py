@@ -135,11 +135,12 @@ _NUMBERS: Final = (
         ("ripple_percentile_range",),
         "Nm",
         "99.5th - 0.5th percentile",
-        "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids, / density "
-        "there x sqrt(tau / N_p), or by the density at zero frequency as for the mean; up to "
-        "sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, hold what is beyond; where "
-        "in a slow cycle the record begins; resolution / sqrt(6), in U a whole step; u(mean)^2 as for the "
-        "rms",
+        "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids and of a "
+        "drift, / density there x sqrt(tau / N_p), or by the density at zero frequency as for the mean; up "
+        "to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, hold what is beyond; 1.5 "
+        "s of those of eighths of the record / sqrt(8) besides, where neighbouring periods have ripple of "
+        "like size; where in a slow cycle the record begins; resolution / sqrt(6), in U a whole step; "
+        "u(mean)^2 as for the rms; none of fewer than four periods",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
     (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),
