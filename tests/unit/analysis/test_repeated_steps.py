@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.quantisation import level_of
-from benchtool.analysis.repeated_steps import noise_beside, repeated_steps, share_left
+from benchtool.analysis.repeated_steps import noise_beside, repeated_steps, share_left, steps_of_periods
 
 PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
 OWN = STEP**2 / 12.0  # mean square of what steps without noise leave beside what repeats
@@ -104,3 +104,15 @@ def test_steps_under_noise_leave_what_the_distribution_of_readings_says(noise_rm
     errors = np.sum(above, axis=1) - 8.0 - places
     of_steps = STEP * float(np.sqrt(np.mean(errors**2)))
     assert share_left(noise_rms * STEP, STEP) * STEP / np.sqrt(12.0) == pytest.approx(of_steps, rel=0.03)
+
+
+def test_a_waveform_of_periods_that_begin_early_and_late_keeps_its_size() -> None:
+    random, per_period, periods, order = np.random.default_rng(1), 500, 60, 6
+    late = 0.1 * np.sin(0.7 * np.arange(periods))[:, np.newaxis]
+    theta = 2.0 * np.pi * np.arange(per_period) / per_period - late
+    clean = np.ravel(0.1 * np.cos(order * theta))
+    read = STEP / 4 * np.round((clean - random.uniform()) / (STEP / 4))
+    begins = per_period * np.arange(periods + 1)
+    found = steps_of_periods(read, begins, 1, STEP / 4)
+    assert found is not None
+    assert np.max(np.abs(found.waveform - np.mean(found.waveform))) == pytest.approx(0.1, rel=0.01)

@@ -266,3 +266,26 @@ def test_a_number_without_an_uncertainty_says_why(periods: int) -> None:
             assert each.to_json()["uncertainty_reason"] == each.uncertainty_reason
     document = measurements_to_json(found)
     assert measurements_to_json(measurements_from_json(document)) == document
+
+
+def test_percentiles_of_three_periods_have_no_uncertainty_but_a_reason() -> None:
+    random = np.random.default_rng(4)
+    for periods in (3, 4):
+        samples = np.cos(6.0 * angle(periods * PER_PERIOD + 1))
+        samples += 0.1 * random.standard_normal(len(samples))
+        found = numbers(samples, track(len(samples)))["torque_ripple_percentile_range"]
+        assert (found.uncertainty is None) == (periods == 3)
+        assert ("fewer than four periods" in found.uncertainty_reason) == (periods == 3)
+
+
+def test_percentiles_on_a_drift_are_known_as_well_as_without() -> None:
+    random, count = np.random.default_rng(5), PERIODS * PER_PERIOD + 1
+    drift = np.linspace(-0.5, 0.5, count)
+    stated, read = [], []
+    for _ in range(30):
+        samples = 0.1 * np.cos(6.0 * angle(count)) + 0.02 * random.standard_normal(count) + drift
+        found = numbers(samples, track(count))["torque_ripple_percentile_range"]
+        assert found.uncertainty is not None
+        stated.append(found.uncertainty.standard)
+        read.append(found.value)
+    assert np.std(read) < 1.4 * np.median(stated) < 6.0 * np.std(read)

@@ -151,3 +151,17 @@ def test_a_memory_that_shows_is_continued_rather_than_refused() -> None:
 def test_the_largest_of_few_scatters_as_they_do_at_least() -> None:
     values = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 2.0, 2.0, 2.0, 2.0])
     assert scatter_of_largest(values) >= 0.6 * float(np.std(values, ddof=1))
+
+
+def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> None:
+    # a resonance four cycles a period fast, in seven periods: far less is at zero than its flanks make of it
+    random, periods, count = np.random.default_rng(2), 7, 1680
+    turn = 2.0 * np.pi * 4.0 * periods / count
+    driven = random.standard_normal((60, count + 2000))
+    records = signal.lfilter([1.0], [1.0, -1.99 * np.cos(turn), 0.99], driven, axis=1)[:, 2000:]
+    scatter = float(np.std(np.mean(records, axis=1)))
+    stated = []
+    for record in records:
+        by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
+        stated.append(at_lowest_frequencies(record, by_parts, periods).standard)
+    assert 0.8 * scatter < np.median(stated) < 2.0 * scatter
