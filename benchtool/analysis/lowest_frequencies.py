@@ -265,7 +265,8 @@ def _fits(shape: Floats, mean: Floats, count: Floats) -> Floats:
     # its size is eliminated: 1 / size has a Gamma distribution
     # einsum in place of a product of matrices, which would start threads
     scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
-    return -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled)
+    fits = -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled)
+    return np.asarray(fits)
 
 
 def _steady(place: Floats, floors: Floats, periods: int) -> Floats:
