@@ -206,21 +206,22 @@ def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowN
     if periods:  # levels of periods show below the first harmonic, as their means do
         levels = slice(len(shape) - len(floors), None)
         below = place < periods
-        size2[levels] = _posterior(shape[levels], mean * count, count, below)
+        size2[levels] = np.sqrt(size2[levels] * _posterior(shape[levels], mean * count, count, below))
     square = of_mean * size2
     return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
 
 
 def _size2(shape: Floats, power: Floats, count: Floats, low: NDArray[np.bool_]) -> Floats:
     """Return the mean of the posterior of the size of densities, shape (models,), of the `power` in bands of
-    `count` bins, shape (bands,): a model that fits above, and in the `low` bands clearly does not, has the
-    size that these tell."""
+    `count` bins, shape (bands,): of a model that fits above, and in the `low` bands clearly does not, the
+    geometric mean of what all tell and what these do, of which neither is right."""
     by_all = _posterior(shape, power, count, np.ones(len(count), dtype=bool))
     if not 0 < np.count_nonzero(low) < len(low) or np.sum(count[low]) < _FEWEST:
         return by_all
     by_low, by_rest = (_posterior(shape, power, count, each) for each in (low, ~low))
     standard = math.sqrt(1.0 / float(np.sum(count[low])) + 1.0 / float(np.sum(count[~low])))
-    return np.where(np.abs(np.log(by_low / by_rest)) > _ELSEWHERE * standard, by_low, by_all)
+    differs = np.abs(np.log(by_low / by_rest)) > _ELSEWHERE * standard
+    return np.where(differs, np.sqrt(by_low * by_all), by_all)
 
 
 def _posterior(shape: Floats, power: Floats, count: Floats, taken: NDArray[np.bool_]) -> Floats:
