@@ -219,6 +219,11 @@ class NoisyCurve:
         other = float(np.sqrt(np.mean((after[tops] - after[top]) ** 2)))
         return -lowest, math.hypot(standard, other)
 
+    def lowered_after_greatest(self, lowest: float) -> float:
+        """Return by how much noise is taken to lower the least value after the greatest, which without it is
+        `lowest`; never negative."""
+        return max(0.0, lowest - float(np.min(self.values[int(np.argmax(self.values)) :])))
+
     def place_of_greatest(self) -> Instant:
         """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))

@@ -276,6 +276,8 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
     lowest, standard = curve.least_after_greatest()
+    if peak is not None:
+        standard = math.hypot(standard, curve.lowered_after_greatest(lowest) / math.sqrt(3.0))
     standard = _of_nonnegative(step.final - lowest, math.hypot(standard, step.final_error))
     yield _value(step, name, text, max(0.0, step.final - lowest), Uncertainty(standard, source))
 
