@@ -96,6 +96,7 @@ class Instruments:
         entries: name of a channel in the bench by the name that `sensitivity` has for it, where they differ.
         rests_on: the channels of a measurement that is not declared, by its name.
         pole_pairs, slots: of the motor, if known.
+        turns_Hz: mean revolutions per second, if known otherwise than by the current.
         clock_of: whose clock times the samples.
     """
 
@@ -105,6 +106,7 @@ class Instruments:
     rests_on: Callable[[str], Sequence[str]] = lambda _: ()
     pole_pairs: int | None = None
     slots: int | None = None
+    turns_Hz: float = math.nan
     clock_of: str = "the drive"
     _waveforms: dict[str, Waveform | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -138,7 +140,7 @@ class Instruments:
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
-        found = Found(each.name, each.value, values, self.pole_pairs, self.slots)
+        found = Found(each.name, each.value, values, self.pole_pairs, self.slots, self.turns_Hz)
         stated = declared(each.name)
         effects = moved.effects if stated is None else [self._by_bandwidth(stated, found, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]

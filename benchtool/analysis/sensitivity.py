@@ -35,13 +35,15 @@ _ROOT_6, _ROOT_12 = math.sqrt(6.0), math.sqrt(12.0)
 
 @dataclass(frozen=True)
 class Found:
-    """A measured value, those of all measurements by name, and pole pairs and slots where they are known."""
+    """A measured value, those of all measurements by name, and pole pairs, slots and revolutions per second
+    where they are known."""
 
     name: str
     value: float
     values: Mapping[str, float]
     pole_pairs: int | None = None
     slots: int | None = None
+    turns_Hz: float = math.nan
 
     def other(self, name: str) -> float:
         """Return the value of another measurement; nan if it was not made."""
@@ -172,7 +174,10 @@ def _order(found: Found, name: str) -> float:
 
 def _orders(name: str, channel: str) -> Iterator[Declared]:
     def turning_Hz(found: Found) -> float:
-        return _order(found, name) * found.other("fundamental_frequency") / (found.pole_pairs or math.nan)
+        turns_Hz = found.turns_Hz
+        if not math.isfinite(turns_Hz):
+            turns_Hz = found.other("fundamental_frequency") / (found.pole_pairs or math.nan)
+        return _order(found, name) * turns_Hz
 
     yield Declared(f"{name}_order_largest", (Sensitivity(channel),))
     names = rf"{name}_order_([1-9]\d*p?|slots|cogging|largest_amplitude)"

@@ -15,6 +15,7 @@ from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import PHASES, TableColumns, TableQuestion, read_columns
+from benchtool.tables.periods import turns_Hz
 from benchtool.tables.record import Record
 from benchtool.tables.remarks import (
     Remark,
@@ -140,6 +141,7 @@ def _instruments(record: Record) -> Instruments:
         entries=entries,
         pole_pairs=record.question.pole_pairs,
         slots=record.question.slots,
+        turns_Hz=turns_Hz(record),
         clock_of="the record",
     )
 

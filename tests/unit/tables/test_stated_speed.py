@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import Measurement
+from benchtool.profile import Bench, Sensor
 from benchtool.tables import TableQuestion, analyze_table
 
 SPEED_RAD_S = 80.0
@@ -65,3 +66,30 @@ def test_a_speed_without_three_periods_or_with_one_in_a_row_gives_no_uncertainty
     found = numbers(tmp_path, 0, None, speed_rad_s)
     assert found["torque_mean"].uncertainty is None
     assert found["torque_mean"].uncertainty_reason
+
+
+@pytest.mark.parametrize("by_angle", [False, True])
+def test_the_speed_tells_at_which_frequency_a_sensor_has_read_an_order(
+    tmp_path: Path, by_angle: bool
+) -> None:
+    time_s = np.arange(3_000) / 2_000.0
+    read = MEAN_NM + RIPPLE_NM * np.cos(6.0 * SPEED_RAD_S * time_s)
+    path = tmp_path / "torque.csv"
+    np.savetxt(
+        path, np.column_stack([time_s, read, SPEED_RAD_S * time_s]), "%.9g", ",", header="t,T,theta [rad]"
+    )
+    bandwidth_Hz = 6.0 * SPEED_RAD_S / (2.0 * np.pi)
+    sensor = Sensor(bandwidth_Hz=bandwidth_Hz, bandwidth_tolerance_percent=5.0)
+    answer = analyze_table(
+        TableQuestion(
+            file=path,
+            time="1",
+            columns={"torque": "2"} | ({"angle": "3"} if by_angle else {}),
+            omega_m_rad_s=None if by_angle else SPEED_RAD_S,
+            bench=Bench(channels={"torque": sensor}),
+        )
+    )
+    order = next(each for each in answer.measurements if each.name == "torque_order_6")
+    assert order.value == pytest.approx(RIPPLE_NM * np.sqrt(2.0), rel=1e-3)
+    assert order.correction is not None
+    assert order.uncertainty is not None
