@@ -10,12 +10,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.coverage import channels
 from benchmarks.coverage.families import Family, families_of, selected
 from benchtool.analysis import Measurement, Uncertainty, analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.plan import Analyses
-from benchtool.profile import Bench, Motor, Sensor
+from benchtool.profile import Bench, Sensor
 from benchtool.results import Calibration
 from benchtool.results.block_result import analyze_block
 
@@ -23,17 +24,7 @@ Floats = NDArray[np.float64]
 Actual = Literal["lag", "faster", "second_order", "known", "any"]
 
 RATE_HZ, POLE_PAIRS = 20_000.0, 2
-MOTOR = Motor(
-    pole_pairs=POLE_PAIRS,
-    R_s_ohm=0.4,
-    L_d_H=6e-3,
-    L_q_H=9e-3,
-    psi_r_Wb=0.17,
-    J_kgm2=1e-3,
-    T_N_Nm=3.0,
-    omega_m_N_rad_s=200.0,
-    I_N_A_rms=5.0,
-)
+MOTOR = channels.MOTOR.model_copy(update={"pole_pairs": POLE_PAIRS})
 _HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.05, 7: 0.03, 11: 0.015, 13: 0.01}
 _ORDERS_NM: Mapping[int, float] = {1: 0.02, 12: 0.05, 24: 0.02}
 _LOSS_OUTWEIGHS_NOISE = 2.0

@@ -83,15 +83,16 @@ def walk_probability(pieces: Sequence[Floats]) -> float | None:
 
     Each piece alone shows few of the lowest frequencies; all are of one density.
     """
-    longest = max(len(each) for each in pieces)
-    bands = [_bands(each, 0) for each in sorted(pieces, key=len, reverse=True)]
+    pieces = sorted(pieces, key=len, reverse=True)
+    longest = len(pieces[0])
+    bands = [_bands(each, 0) for each in pieces]
     found = [each for each in bands if each is not None]
     if not found or len(found) < len(pieces):
         return None
     usable, floors = _usable(found[0][0][-1])
     prior = _prior(int(np.count_nonzero(usable)), len(floors))[: -1 - len(floors)]
     log_weight = np.log(np.append(prior, _WHITE))
-    for (place, mean, width), piece in zip(found, sorted(pieces, key=len, reverse=True), strict=True):
+    for (place, mean, width), piece in zip(found, pieces, strict=True):
         falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
         shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
         fits = _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))

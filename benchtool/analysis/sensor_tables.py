@@ -48,8 +48,9 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
             if found.correction is not None:
                 added[place] = found.correction.added
             row[column.value] = found.value
-            known = found.uncertainty is not None and math.isfinite(found.uncertainty.standard)
-            row[column.uncertainty] = found.uncertainty.standard if known and found.uncertainty else math.nan
+            standard = math.nan if found.uncertainty is None else found.uncertainty.standard
+            known = math.isfinite(standard)
+            row[column.uncertainty] = standard if known else math.nan
             if not known and math.isfinite(found.value):
                 reasons.setdefault(found.uncertainty_reason, []).append(place)
     _with_shares(rows, table)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, Self
 
-from benchtool.analysis import COVERAGE, Measurement, Uncertainty, of_difference
+from benchtool.analysis import COVERAGE, Correction, Measurement, Uncertainty, of_difference
 from benchtool.plan import Limit
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
@@ -256,17 +256,20 @@ def _other_order(one: Measurement, two: Measurement) -> str:
 def _corrected_alone(one: Measurement, two: Measurement) -> str:
     """Return that one number alone is corrected for its sensors by more than the uncertainty of both; empty
     if neither is."""
-    if (one.correction is None) == (two.correction is None):
-        return ""
-    which, correction = ("the reference", one.correction) if one.correction else ("this", two.correction)
+    match one.correction, two.correction:
+        case Correction() as correction, None:
+            which = "the reference"
+        case None, Correction() as correction:
+            which = "this"
+        case _:
+            return ""
     uncertainty = _combined(one, two)
-    added = 0.0 if correction is None else correction.added
-    if uncertainty is not None and abs(added) <= uncertainty.expanded:
+    if uncertainty is not None and abs(correction.added) <= uncertainty.expanded:
         return ""
-    of = "" if correction is None else correction.of
     return (
-        f"{which} alone is corrected, by {added:.4g} {one.unit} for the {of}: a number that is corrected and "
-        f"one as it was read are not compared, state the sensor's bandwidth of both runs"
+        f"{which} alone is corrected, by {correction.added:.4g} {one.unit} for the {correction.of}: a "
+        f"number that is corrected and one as it was read are not compared, state the sensor's bandwidth of "
+        f"both runs"
     )
 
 

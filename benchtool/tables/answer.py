@@ -141,7 +141,7 @@ def _instruments(record: Record) -> Instruments:
         entries=entries,
         pole_pairs=record.question.pole_pairs,
         slots=record.question.slots,
-        turns_Hz=turns_Hz(record),
+        turns_Hz=turns_Hz(record) if sensors else math.nan,
         clock_of="the record",
     )
 
