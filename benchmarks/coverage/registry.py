@@ -16,6 +16,7 @@ from benchmarks.coverage import (
     mixed,
     pairs,
     revolutions,
+    sensed_answers,
     sensors,
     sidebands,
     stamps,
@@ -43,5 +44,6 @@ FAMILIES: Mapping[str, Family] = {
         *lines.FAMILIES,
         *coarse.FAMILIES,
         *sensors.FAMILIES,
+        *sensed_answers.FAMILIES,
     )
 }

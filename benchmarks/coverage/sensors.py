@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.coverage import channels
 from benchmarks.coverage.families import Family, families_of, selected
-from benchtool.analysis import Measurement, Uncertainty, analyze_step
+from benchtool.analysis import Measurement, Uncertainty
 from benchtool.block import Block
-from benchtool.errors import AnalysisError
-from benchtool.plan import Analyses
 from benchtool.profile import Bench, Sensor
 from benchtool.results import Calibration
 from benchtool.results.block_result import analyze_block
@@ -45,7 +43,7 @@ class Sensed:
     noise: float = 1e-3
 
 
-def _response(actual: Actual, bandwidth_Hz: float, random: np.random.Generator) -> tuple[float, int]:
+def own_response(actual: Actual, bandwidth_Hz: float, random: np.random.Generator) -> tuple[float, int]:
     """Return bandwidth and order of a sensor."""
     if actual == "any":
         actual = ("lag", "faster", "second_order")[random.integers(3)]
@@ -59,7 +57,7 @@ def _gain(frequency_Hz: Floats | float, bandwidth_Hz: float, order: int) -> NDAr
     return np.asarray(1.0 / (1.0 + s if order == 1 else 1.0 + math.sqrt(2.0) * s + s**2))
 
 
-def _sensor(actual: Actual, bandwidth_Hz: float) -> Sensor:
+def stated_sensor(actual: Actual, bandwidth_Hz: float) -> Sensor:
     known = {"bandwidth_tolerance_percent": _KNOWN_WITHIN_PERCENT} if actual == "known" else {}
     return Sensor.model_validate({"bandwidth_Hz": bandwidth_Hz, **known})
 
@@ -67,7 +65,7 @@ def _sensor(actual: Actual, bandwidth_Hz: float) -> Sensor:
 def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     f_Hz, count = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ)
     stated_Hz = what.ratio * 10.0 * f_Hz
-    own = _response(what.actual, stated_Hz, random)
+    own = own_response(what.actual, stated_Hz, random)
     theta = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform())
     theta_m = theta / POLE_PAIRS
     amplitudes = {1: random.uniform(1.0, 5.0)}
@@ -91,7 +89,7 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
         theta_m=np.mod(theta_m, 2 * np.pi),
         theta_e=np.mod(theta, 2 * np.pi),
     )
-    bench = Bench(channels={name: _sensor(what.actual, stated_Hz) for name in ("i_a", "torque")})
+    bench = Bench(channels={name: stated_sensor(what.actual, stated_Hz) for name in ("i_a", "torque")})
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
     # noise makes a peak-to-peak value larger, of this record by so much
     by_noise = _read_pp(found.measurements) - float(np.ptp(torque_read)) if found.measurements else 0.0
@@ -119,78 +117,15 @@ def _read_pp(measurements: tuple[Measurement, ...]) -> float:
     return next((each.as_read for each in measurements if each.name == "torque_ripple_pp"), math.nan)
 
 
-@dataclass(frozen=True)
-class SensedStep:
-    """A step answer of second order about `corner_Hz`, behind a sensor of `ratio` times that."""
-
-    ratio: float = 5.0
-    actual: Actual = "lag"
-    damping: float = 0.5
-    noise: float = 2e-3
-
-
-_STEP_HZ = 50.0
-
-
-def _answer(time_s: Floats, corner_Hz: float, damping: float, own: tuple[float, int]) -> Floats:
-    """Return the answer behind a sensor, by partial fractions; one of infinite bandwidth leaves it."""
-    w = 2 * np.pi * corner_Hz
-    poles = [*np.roots([1.0 / w**2, 2.0 * damping / w, 1.0])]
-    bandwidth_Hz, order = own
-    if math.isfinite(bandwidth_Hz):
-        b = 2 * np.pi * bandwidth_Hz
-        poles += [-b] if order == 1 else [*np.roots([1.0 / b**2, math.sqrt(2.0) / b, 1.0])]
-    later = np.maximum(time_s, 0.0)
-    y = np.ones(len(time_s), dtype=np.complex128)
-    for k, p in enumerate(poles):
-        rest = np.prod([1.0 - p / each for n, each in enumerate(poles) if n != k])
-        y -= np.exp(p * later) / rest
-    return np.where(time_s >= 0.0, y.real, 0.0)
-
-
-def _step(what: SensedStep, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    corner_Hz, damping = _STEP_HZ * random.uniform(0.8, 1.25), what.damping * random.uniform(0.9, 1.1)
-    stated_Hz = what.ratio * corner_Hz
-    own = _response(what.actual, stated_Hz, random)
-    time_s = np.arange(-400, 4000) / RATE_HZ
-    reference = np.where(time_s >= 0.0, 1.0, 0.0)
-    units = {"torque": "Nm", "torque_reference": "Nm"}
-    read = _answer(time_s, corner_Hz, damping, own) + what.noise * random.standard_normal(len(time_s))
-    block = Block.from_arrays(RATE_HZ, units, torque=read, torque_reference=reference)
-    ideal = _answer(time_s, corner_Hz, damping, (math.inf, 1))
-    clean = Block.from_arrays(RATE_HZ, units, torque=ideal, torque_reference=reference)
-    truths = {
-        each.name: each.value
-        for each in analyze_step(clean, "torque", "torque_reference", held=True).measurements
-        if each.name
-        in ("rise_time", "reach_time", "step_latency", "peak_time", "overshoot", "overshoot_percent")
-    }
-    bench = Bench(channels={"torque": _sensor(what.actual, stated_Hz)})
-    analyses = Analyses.model_validate({"steady": False, "step": True})
-    try:
-        found = analyze_block(block, MOTOR, analyses, calibration=Calibration(bench))
-    except AnalysisError:
-        return
-    yield from selected(found.measurements, truths)
-
-
-_ACTUAL: tuple[Actual, ...] = ("lag", "faster", "second_order", "known", "any")
+ACTUAL: tuple[Actual, ...] = ("lag", "faster", "second_order", "known", "any")
 
 FAMILIES: tuple[Family, ...] = (
     *families_of(
         _sensed,
         {
             f"sensor_{actual}_{ratio:g}": Sensed(ratio, actual)
-            for actual in _ACTUAL
+            for actual in ACTUAL
             for ratio in (0.5, 1.0, 2.0, 5.0, 20.0)
-        },
-    ),
-    *families_of(
-        _step,
-        {
-            f"sensor_{actual}_step_{ratio:g}": SensedStep(ratio, actual)
-            for actual in _ACTUAL
-            for ratio in (3.0, 10.0)
         },
     ),
 )

@@ -194,6 +194,8 @@ class Analysis(Generic[Settings]):
         channel_settings: the settings that each name one more channel that it needs; an empty one names none.
         transducer: whether it needs the torque transducer as well.
         every_tick: whether it needs a capture with stride 1.
+        of_spectra: whether its numbers are of ratios of spectra, each frequency by itself: then the response
+            of a sensor can be divided out of a channel.
         figures: of one case.
         comparisons: of several cases side by side: what `figure` of a plan may name.
         source: the package that it comes from; empty for those of benchtool.
@@ -209,6 +211,7 @@ class Analysis(Generic[Settings]):
     channel_settings: tuple[str, ...] = ()
     transducer: bool = False
     every_tick: bool = False
+    of_spectra: bool = False
     figures: tuple[Drawing, ...] = ()
     comparisons: tuple[Drawing, ...] = ()
     source: str = ""

@@ -39,7 +39,8 @@ _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 class Perturbed:
     """A channel with a perturbed sensor error: (1 + gain) x reading + offset.
 
-    Or through as many more sensors of the response `by`, or in steps of `step` whose grid begins at `phase`.
+    Or through as many more sensors of the response `by`, before one if `lags` is -1, or in steps of `step`
+    whose grid begins at `phase`.
     """
 
     channel: str
@@ -57,8 +58,7 @@ class Perturbed:
         data = np.array(block.data)
         values = self.reading(block.column(self.channel))
         if self.by is not None:
-            for _ in range(self.lags):
-                values = lagged(values, block.sample_rate_Hz, self.by)
+            values = lagged(values, block.sample_rate_Hz, self.by, self.lags)
         data[:, block.names.index(self.channel)] = values
         return replace(block, data=data)
 
@@ -95,8 +95,7 @@ class Instruments:
         blocks: what was recorded with them, for the resolution that the data show.
         entries: name of a channel in the bench by the name that `sensitivity` has for it, where they differ.
         rests_on: the channels of a measurement that is not declared, by its name.
-        pole_pairs, slots: of the motor, if known.
-        turns_Hz: mean revolutions per second, if known otherwise than by the current.
+        of_spectra: whether such a measurement is of ratios of spectra, by its name.
         clock_of: whose clock times the samples.
     """
 
@@ -104,9 +103,7 @@ class Instruments:
     blocks: Sequence[Block] = ()
     entries: Mapping[str, str] | None = None
     rests_on: Callable[[str], Sequence[str]] = lambda _: ()
-    pole_pairs: int | None = None
-    slots: int | None = None
-    turns_Hz: float = math.nan
+    of_spectra: Callable[[str], bool] = lambda _: False
     clock_of: str = "the drive"
     _waveforms: dict[str, Waveform | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -140,7 +137,7 @@ class Instruments:
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
-        found = Found(each.name, each.value, values, self.pole_pairs, self.slots, self.turns_Hz)
+        found = Found(each.name, each.value, values)
         stated = declared(each.name)
         effects = moved.effects if stated is None else [self._by_bandwidth(stated, found, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
@@ -253,7 +250,7 @@ class Instruments:
         if estimate is None:
             what = "the frequency" if waveforms[0] is not None else "a record of even samples without gaps"
             return _not_known(what, stating)
-        at = f" at {highest_Hz:.4g} Hz" if stated.line_Hz is not None else ""
+        at = f" at {highest_Hz:.4g} Hz" if each.basis.frequency_Hz is not None else ""
         return Effect.of_sensors(stating, at, next(filter(None, lags)).text, estimate)
 
     def _clock(self, each: Measurement) -> Iterator[Contribution]:
@@ -268,7 +265,8 @@ class Instruments:
         """Return what the sensors do to measurements without declared sensitivities, by name.
 
         Of gain and offset it is the change for one standard uncertainty either way, the larger of the two
-        (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what one lag less would read, of a resolution the rms
+        (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what one lag less would read, of ratios of spectra by
+        division, of others, which that would bury in noise, by further lags; of a resolution the rms
         change over places of its grid.
         """
         left = {
@@ -295,8 +293,11 @@ class Instruments:
     ) -> None:
         """Add what one sensor does to measurements, by name."""
 
+        def measured(**error: Any) -> dict[str, Measurement]:
+            return {each.name: each for each in again(Perturbed(channel, **error))}
+
         def read(**error: Any) -> dict[str, float]:
-            return {each.name: each.value for each in again(Perturbed(channel, **error))}
+            return {name: each.value for name, each in measured(**error).items()}
 
         for error, u, line in (
             ("gain", sensor.gain_standard, _gain),
@@ -308,10 +309,17 @@ class Instruments:
                     by = _larger(up.get(name, math.nan) - each.value, each.value - down.get(name, math.nan))
                     moved[name].lines.append(line(channel, sensor, by))
         if (lag := Lag.of(sensor)) is not None:
-            later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in lag.once_more]
+            spectral = {name for name in found if self.of_spectra(name)}
+            before = [measured(by=by, lags=-1) for by in lag.responses] if spectral else []
+            further = lag.once_more if len(spectral) < len(found) else ()
+            later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in further]
             for name, each in found.items():
-                values = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in later]
-                moved[name].effects.append(_by_lags(each, values, channel, sensor, lag))
+                if name in spectral:
+                    effect = _by_division(each, [of.get(name) for of in before], channel, sensor, lag)
+                else:
+                    values = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in later]
+                    effect = _by_lags(each, values, channel, sensor, lag)
+                moved[name].effects.append(effect)
         if sensor.resolution and (rest := self._rest(channel, sensor)) > 0.0:
             grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
             for name, each in found.items():
@@ -323,6 +331,19 @@ class Instruments:
                 else:
                     text = f"what steps of {sensor.resolution:g} {sensor.unit} of {channel} do is not known"
                     moved[name].remarks.append(text)
+
+
+def _by_division(
+    each: Measurement, before: Sequence[Measurement | None], channel: str, sensor: Sensor, lag: Lag
+) -> Effect | str:
+    """Return what a bandwidth has done to a number, by what it was before each response, or why that is not
+    known."""
+    whole = [of for of in before if of is not None and math.isfinite(of.value)]
+    if len(whole) < len(before):
+        return _not_known("that number before it", {channel: sensor})
+    estimate = lag.estimate(each.value, [of.value for of in whole])
+    scatter = None if lag.tolerance is None else whole[0].uncertainty
+    return Effect.of_sensors({channel: sensor}, "", lag.text, estimate, scatter)
 
 
 def _by_lags(

@@ -32,8 +32,10 @@ class Basis:
     `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` states what
     is unknown about the sensors, or which components they attenuate. `alignment_s` is the standard
     uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
-    line of a spectrum is that was chosen as the largest. `order` is how often in a revolution a component
-    repeats itself that comes with the angle of the shaft, such as the one that was chosen as the largest.
+    line of a spectrum is that was chosen as the largest. `frequency_Hz` is that of the line that a number
+    is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
+    component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
+    largest.
     """
 
     samples: float | None = None
@@ -47,6 +49,7 @@ class Basis:
     sensors: str = ""
     alignment_s: float | None = None
     line_Hz: float | None = None
+    frequency_Hz: float | None = None
     order: int | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
@@ -159,15 +162,14 @@ class LineColumn:
     """A column of a table whose numbers are measurements of lines, one in each row.
 
     `measurement` is what such a number is called, with that of the row's column "order" for `{order}`;
-    `uncertainty` the column of their standard uncertainties. Where a number hangs on the `frequency` of its
-    line, that is another measurement, and the column `frequency_column` over the row's order, if it has one.
+    `uncertainty` the column of their standard uncertainties, `frequency` that of their lines where there are
+    no orders.
     """
 
     value: str
     uncertainty: str
     measurement: str
     frequency: str = ""
-    frequency_column: str = ""
 
 
 @dataclass(frozen=True)

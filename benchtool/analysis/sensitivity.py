@@ -13,8 +13,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from benchtool.analysis.orders.orders import machine_orders
-
 Bandwidth = Literal["level", "line", "largest", "sequence", "band", "noise", "power", "extremes"]
 """What a number holds: a level, which a bandwidth does not touch, one line, the largest of many, one line of
 each of three phases, the harmonics up to some frequency each by itself, the noise between them, the power of
@@ -35,15 +33,11 @@ _ROOT_6, _ROOT_12 = math.sqrt(6.0), math.sqrt(12.0)
 
 @dataclass(frozen=True)
 class Found:
-    """A measured value, those of all measurements by name, and pole pairs, slots and revolutions per second
-    where they are known."""
+    """A measured value, and those of all measurements by name."""
 
     name: str
     value: float
     values: Mapping[str, float]
-    pole_pairs: int | None = None
-    slots: int | None = None
-    turns_Hz: float = math.nan
 
     def other(self, name: str) -> float:
         """Return the value of another measurement; nan if it was not made."""
@@ -104,15 +98,13 @@ class Sensitivity:
 class Declared:
     """The sensitivities of measurements whose names match `pattern`, a regular expression.
 
-    `line_Hz` is the frequency of a single line. `as_ratio` is of a band in percent of the fundamental. A
-    `bound` is the largest change that an error causes: a
-    magnitude near zero grows with an error of either sign, which a derivative does not show.
+    `as_ratio` is of a band in percent of the fundamental. A `bound` is the largest change that an error
+    causes: a magnitude near zero grows with an error of either sign, which a derivative does not show.
     """
 
     pattern: str
     sensitivities: tuple[Sensitivity, ...] = ()
     bandwidth: Bandwidth = "level"
-    line_Hz: Derivative | None = None
     bound: bool = False
     as_ratio: bool = False
 
@@ -161,44 +153,12 @@ def _ripple(name: str, channel: str) -> Iterator[Declared]:
         yield Declared(f"{percent}_of_rated", (Sensitivity(channel, _own, resolution=step),), holds)
 
 
-def _order(found: Found, name: str) -> float:
-    """Return the order that an amplitude is of; nan where it is not known."""
-    key = found.name.removeprefix(f"{name}_order_")
-    if key == "largest_amplitude":
-        return found.other(f"{name}_order_largest")
-    if key.isdecimal():
-        return float(key)
-    order = machine_orders(found.pole_pairs, found.slots).get(key)
-    return math.nan if order is None else float(order)
-
-
 def _orders(name: str, channel: str) -> Iterator[Declared]:
-    def turning_Hz(found: Found) -> float:
-        turns_Hz = found.turns_Hz
-        if not math.isfinite(turns_Hz):
-            turns_Hz = found.other("fundamental_frequency") / (found.pole_pairs or math.nan)
-        return _order(found, name) * turns_Hz
-
     yield Declared(f"{name}_order_largest", (Sensitivity(channel),))
     names = rf"{name}_order_([1-9]\d*p?|slots|cogging|largest_amplitude)"
-    yield Declared(names, (Sensitivity(channel, _own),), "line", turning_Hz)
+    yield Declared(names, (Sensitivity(channel, _own),), "line")
     yield Declared(f"{name}_line_frequency", (Sensitivity(channel),))
-    by_line = f"{name}_line_frequency"
-    yield Declared(
-        f"{name}_line_amplitude",
-        (Sensitivity(channel, _own),),
-        "line",
-        lambda found: found.other(by_line),
-    )
-
-
-def _fundamental_Hz(found: Found) -> float:
-    return found.other("fundamental_frequency")
-
-
-def _harmonic_Hz(found: Found) -> float:
-    """Return the frequency of a row of the table of harmonics."""
-    return int(found.name.rpartition("_")[2]) * _fundamental_Hz(found)
+    yield Declared(f"{name}_line_amplitude", (Sensitivity(channel, _own),), "line")
 
 
 def _other(name: str, factor: float) -> Derivative:
@@ -220,7 +180,7 @@ def _sequences() -> Iterator[Declared]:
         ("current_unbalance(_zero)?_percent", in_percent),
     ):
         phases = tuple(Sensitivity(channel, gain) for channel in ("i_a", "i_b", "i_c"))
-        yield Declared(pattern, phases, "sequence", _fundamental_Hz, bound=True)
+        yield Declared(pattern, phases, "sequence", bound=True)
 
 
 def _balances() -> Iterator[Declared]:
@@ -260,8 +220,7 @@ def _all() -> Iterator[Declared]:
     yield Declared("flux_ripple_pp", (extremes,), "extremes")
     yield Declared("fundamental_frequency|switching_frequency_mean|coherence_(min|median)")
     fundamental = Sensitivity("i_a", _own)
-    yield Declared("current_fundamental", (fundamental,), "line", _fundamental_Hz)
-    yield Declared(r"current_harmonic_[1-9]\d*", (fundamental,), "line", _harmonic_Hz)
+    yield Declared(r"current_(fundamental|harmonic_[1-9]\d*)", (fundamental,), "line")
     yield Declared("current_max_low_harmonic", (fundamental,), "largest")
     yield Declared("current_tdd", (fundamental,), "band")
     yield Declared("current_noise_(floor|density)", (fundamental,), "noise")

@@ -9,7 +9,7 @@ from typing import Final
 
 from benchtool.analysis.measurement import Correction, Measurement
 from benchtool.analysis.sensor_lag import Estimate
-from benchtool.analysis.uncertainty import Contribution, InstrumentError, coverage_factor
+from benchtool.analysis.uncertainty import Contribution, InstrumentError, Uncertainty, coverage_factor
 from benchtool.profile import Sensor
 
 BANDWIDTH: Final = "bandwidth"
@@ -20,15 +20,24 @@ BANDWIDTH: Final = "bandwidth"
 class Effect:
     """What the bandwidth of a sensor, or of the three of the phases, has done to a number.
 
-    `of` says whose and what is known of it; `estimate` is the number as it was before.
+    `of` says whose and what is known of it; `estimate` is the number as it was before, `scatter` the
+    uncertainty by the data of one that was measured as it was before.
     """
 
     of: str
     estimate: Estimate
     error: InstrumentError
+    scatter: Uncertainty | None = None
 
     @classmethod
-    def of_sensors(cls, sensors: Mapping[str, Sensor], at: str, known: str, estimate: Estimate) -> Effect:
+    def of_sensors(
+        cls,
+        sensors: Mapping[str, Sensor],
+        at: str,
+        known: str,
+        estimate: Estimate,
+        scatter: Uncertainty | None = None,
+    ) -> Effect:
         """By the sensors of channels; `at` is the frequency, `known` what is known of their responses."""
         names = ", ".join(bandwidth_of(channel, sensor) for channel, sensor in sensors.items())
         identity = {
@@ -36,7 +45,7 @@ class Effect:
             for key in ("sensor", "serial_number", "certificate")
         }
         error = InstrumentError(BANDWIDTH, ", ".join(sensors), **identity)
-        return cls(f"bandwidth of {names}{at}; {known}", estimate, error)
+        return cls(f"bandwidth of {names}{at}; {known}", estimate, error, scatter)
 
 
 def corrected(
@@ -55,7 +64,8 @@ def corrected(
     names = ", ".join(each.of for each in effects)
     if proportional and coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0:
         return without_uncertainty(read, f"the sensor may have taken off as much as is left ({names})"), ()
-    uncertain = read.uncertainty
+    before = [each.scatter for each in effects if each.scatter is not None]
+    uncertain = max(before, key=lambda each: each.standard, default=read.uncertainty)
     if uncertain is not None and proportional and read.value:
         uncertain = uncertain.scaled(value / read.value)
     correction = Correction(added, names) if added else None

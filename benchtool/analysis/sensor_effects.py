@@ -21,8 +21,8 @@ _ROOT_3: Final = math.sqrt(3.0)
 
 def top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
     """Return the highest frequency that contributes; nan if it is unknown."""
-    if stated.line_Hz is not None:
-        return abs(stated.line_Hz(found))
+    if stated.bandwidth in ("line", "sequence"):
+        return math.nan if each.basis.frequency_Hz is None else each.basis.frequency_Hz
     if each.basis.harmonics is not None:
         return each.basis.harmonics * found.other("fundamental_frequency")
     return math.nan if each.basis.bandwidth_Hz is None else each.basis.bandwidth_Hz

@@ -43,7 +43,7 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
     for column in table.lines:
         for place, row in enumerate(rows):
             read = _read(row, column, units[column.value], table)
-            found = apply(read, {**values, **_frequency(row, column)})
+            found = apply(read, values)
             remarks[found.basis.sensors] = None
             if found.correction is not None:
                 added[place] = found.correction.added
@@ -72,21 +72,14 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
 def _read(row: Row, column: LineColumn, unit: str, table: Table) -> Measurement:
     """Return the number of a row as a measurement."""
     name, standard = column.measurement, row[column.uncertainty]
-    if "order" in row:
-        name = name.format(order=int(row["order"]))
+    first_Hz, order = table.basis.frequency_Hz, row.get("order", 1.0)
+    of_order_Hz = None if first_Hz is None else order * first_Hz
+    name = name.format(order=int(order))
+    basis = replace(table.basis, frequency_Hz=row[column.frequency] if column.frequency else of_order_Hz)
     if not math.isfinite(standard):
         why = table.uncertainty_reason or _UNKNOWN
-        return Measurement(name, row[column.value], unit, "", table.basis, uncertainty_reason=why)
-    return Measurement(
-        name, row[column.value], unit, "", table.basis, Uncertainty(standard, table.definition)
-    )
-
-
-def _frequency(row: Row, column: LineColumn) -> dict[str, float]:
-    """Return the measurement that tells at which frequency the line of a row is."""
-    if not column.frequency:
-        return {}
-    return {column.frequency: row[column.frequency_column] / row.get("order", 1.0)}
+        return Measurement(name, row[column.value], unit, "", basis, uncertainty_reason=why)
+    return Measurement(name, row[column.value], unit, "", basis, Uncertainty(standard, table.definition))
 
 
 def _with_shares(rows: list[Row], table: Table) -> None:

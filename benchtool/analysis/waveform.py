@@ -111,17 +111,18 @@ class Waveform:
         return self._in_steps[step]
 
 
-def lagged(samples: Floats, rate_Hz: float, by: Response) -> Floats:
-    """Return what a further sensor of that response makes of samples, shape (n,).
+def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Floats:
+    """Return what further sensors of that response make of samples, shape (n,); with `times` = -1 what they
+    were before one.
 
     By its frequency response. Before the first and past the last the samples go on as in a mirror, which
     keeps their mean, until the lag has forgotten.
     """
     count = len(samples)
-    reach = min(count - 1, math.ceil(_SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
+    reach = min(count - 1, math.ceil(abs(times) * _SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
     extended = np.pad(samples, reach, mode="reflect")
     inverse = by.inverse(np.asarray(fft.rfftfreq(len(extended), 1.0 / rate_Hz), dtype=np.float64))
-    filtered = fft.irfft(fft.rfft(extended) / inverse, len(extended))
+    filtered = fft.irfft(fft.rfft(extended) / inverse**times, len(extended))
     return np.asarray(filtered[reach : reach + count])
 
 

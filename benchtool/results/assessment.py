@@ -50,7 +50,7 @@ from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
 from benchtool.results.regimes import Regime
-from benchtool.results.remeasurement import perturbed_readings, remeasured, rests_on
+from benchtool.results.remeasurement import is_of_spectra, perturbed_readings, remeasured, rests_on
 from benchtool.results.repetitions import Repeated, limits_alone
 
 
@@ -328,8 +328,7 @@ def assess(
         calibration.bench,
         blocks,
         rests_on=partial(rests_on, plan, transducer is not None),
-        pole_pairs=motor.pole_pairs,
-        slots=motor.slots,
+        of_spectra=is_of_spectra,
     )
 
     def again(altered: Perturbed) -> Iterator[Measurement]:

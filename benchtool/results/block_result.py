@@ -41,7 +41,7 @@ from benchtool.profile import Motor, Profile
 from benchtool.results.analyses import Planned, measure_each, planned, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
-from benchtool.results.remeasurement import channels_of, remeasured
+from benchtool.results.remeasurement import channels_of, is_of_spectra, remeasured
 from benchtool.results.rotation import ROTATING, Rotation
 from benchtool.results.windows import without
 
@@ -206,7 +206,7 @@ def analyze_block(
     found = _marked(measure_each(here), block)
     blocks = [block] if transducer is None else [block, transducer]
     rests_on = partial(channels_of, analyses)
-    instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, pole_pairs=motor.pole_pairs)
+    instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, of_spectra=is_of_spectra)
 
     def again(altered: Perturbed) -> Iterable[Measurement]:
         shaft = None if transducer is None else altered.of(transducer)

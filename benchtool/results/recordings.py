@@ -194,9 +194,7 @@ def _assess(
 ) -> Assessment:
     shaft = _covering(transducer, window) if recorded.stream != TRANSDUCER else None
     result = analyze_block(window, motor, selection.analyses, transducer=shaft, calibration=calibration)
-    held = Instruments(calibration.bench, [window], pole_pairs=motor.pole_pairs).applied(
-        tuple(measure_held(window))
-    )
+    held = Instruments(calibration.bench, [window]).applied(tuple(measure_held(window)))
     return Assessment(
         name,
         bundle.directory,

@@ -26,6 +26,12 @@ def rests_on(plan: Plan, transducer: bool, name: str) -> tuple[str, ...]:
     return channels_of(plan.analyses, name)
 
 
+def is_of_spectra(name: str) -> bool:
+    """Return whether a measurement is of ratios of spectra."""
+    analysis = catalogue().measuring(name)
+    return analysis is not None and analysis.of_spectra
+
+
 def channels_of(analyses: Analyses, name: str) -> tuple[str, ...]:
     """Return the channels of a measurement by one of these analyses; none if none of them gives it."""
     analysis = catalogue().measuring(name)

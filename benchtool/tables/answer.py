@@ -15,7 +15,6 @@ from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import PHASES, TableColumns, TableQuestion, read_columns
-from benchtool.tables.periods import turns_Hz
 from benchtool.tables.record import Record
 from benchtool.tables.remarks import (
     Remark,
@@ -139,9 +138,6 @@ def _instruments(record: Record) -> Instruments:
         Bench(channels=sensors, clock=record.question.bench.clock),
         blocks,
         entries=entries,
-        pole_pairs=record.question.pole_pairs,
-        slots=record.question.slots,
-        turns_Hz=turns_Hz(record) if sensors else math.nan,
         clock_of="the record",
     )
 

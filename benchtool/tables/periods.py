@@ -154,17 +154,3 @@ class Periods:
         carrier = np.exp(-1j * track.at(np.arange(len(samples), dtype=np.float64)))
         about = samples - np.mean(samples)
         return float(2.0 * abs(np.sum(window * carrier * about)) / np.sum(window))
-
-
-def turns_Hz(record: Record) -> float:
-    """Return the mean revolutions per second, of a stated speed or by the angle; nan without either."""
-    if record.question.omega_m_rad_s is not None:
-        return abs(record.question.omega_m_rad_s) / (2.0 * math.pi)
-    if "angle" not in record.channels:
-        return math.nan
-    try:
-        angle_rad = unwrapped_angle(record.column("angle"), record.channels["angle"].name)
-    except AnalysisError:
-        return math.nan
-    duration_s = float(np.ptp(record.data[:, 0]))
-    return abs(float(angle_rad[-1] - angle_rad[0])) / (2.0 * math.pi * duration_s) if duration_s else math.nan

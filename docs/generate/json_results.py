@@ -93,6 +93,8 @@ class Basis(Document):
     """What is not known of the sensors."""
     line_Hz: float | None = None
     """The line of the spectrum that is meant; lines of two runs are compared where they are the same."""
+    frequency_Hz: float | None = None
+    """The frequency of the line that the number is; of a table of orders that of the first."""
     alignment_s: float | None = None
     """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
 

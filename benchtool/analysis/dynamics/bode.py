@@ -317,6 +317,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
     name="frequency_response",
     title="frequency response",
     measure=_measure,
+    of_spectra=True,
     quantities=(
         Quantity(
             ("response_gain",),

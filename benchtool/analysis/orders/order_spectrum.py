@@ -222,6 +222,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
             bandwidth_Hz=float(spectrum.frequency_Hz[-1]),
             window=f"rectangular, {turns} whole mechanical revolutions",
             harmonics=count,
+            frequency_Hz=spectrum.fundamental_Hz,
             gaps=0,
         ),
     )
@@ -262,6 +263,7 @@ def fitted_orders(
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
     by_steps = _repeated_steps(fit, values, coverage) / low
+    basis = basis or Basis(len(values))
     others = np.hypot(by_steps, _lost(amplitude, order, wobble_rad))
     return OrderSpectrum(
         signal=signal,
@@ -277,9 +279,10 @@ def fitted_orders(
         stands_out_above=_explained(fit.noise / low, np.full(count, fit.noise_dof), others),
         step=counting_step(values),
         basis=replace(
-            basis or Basis(len(values)),
+            basis,
             window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",
             harmonics=count,
+            frequency_Hz=coverage.revolutions / basis.duration_s if basis.duration_s else None,
         ),
     )
 

@@ -116,8 +116,9 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
             return resampled_orders(block, channel, angle, step_rad)
         except AnalysisError:
             pass
-    basis = Basis(len(block.data), block.sample_rate_Hz, gaps=len(block.gaps))
-    wobble_rad = _wobble_rad(coverage, block.ticks())
+    ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
+    basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
+    wobble_rad = _wobble_rad(coverage, ticks)
     return fitted_orders(
         coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble_rad
     )
@@ -211,7 +212,7 @@ def _largest(
         yield Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
         return
     order = standing_out[0]
-    basis = replace(spectrum.basis, order=order)
+    basis = replace(_at(spectrum, order), order=order)
     yield Measurement(number, float(order), "", text, basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain)
@@ -246,7 +247,13 @@ def _amplitude(
         )
         return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    return Measurement(name, value, spectrum.unit, text, spectrum.basis, uncertain)
+    return Measurement(name, value, spectrum.unit, text, _at(spectrum, order), uncertain)
+
+
+def _at(spectrum: OrderSpectrum, order: int) -> Basis:
+    """Return the basis of one order: its frequency is so many times that of the first."""
+    first_Hz = spectrum.basis.frequency_Hz
+    return replace(spectrum.basis, frequency_Hz=None if first_Hz is None else order * first_Hz)
 
 
 def _uncertainty(spectrum: OrderSpectrum, order: int) -> Uncertainty:

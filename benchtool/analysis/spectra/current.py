@@ -219,9 +219,8 @@ def _lines(
     source = "noise, resampling, phase and resolution"
     own = combined(errors.budget(0), source)
     why = "" if own is not None else errors.unknown
-    yield Measurement(
-        "current_fundamental", clean.fundamental, unit, text, basis, own, uncertainty_reason=why
-    )
+    line = replace(basis, frequency_Hz=f_1)
+    yield Measurement("current_fundamental", clean.fundamental, unit, text, line, own, uncertainty_reason=why)
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))

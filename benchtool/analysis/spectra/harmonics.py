@@ -444,7 +444,7 @@ def harmonic_table(
         ),
         tuple(tuple(float(value) for value in row) for row in zip(*columns, strict=True)),
         basis,
-        lines=(LineColumn("amplitude", "uncertainty", measurement, "fundamental_frequency", "frequency"),),
+        lines=(LineColumn("amplitude", "uncertainty", measurement, "frequency"),),
     )
 
 

@@ -93,7 +93,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     )
     reason = rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
     source = "noise around the line and resolution, and what else its shape allows"
-    of_line = replace(basis, line_Hz=listed[0][0])
+    of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
     frequency, amplitude = (
         Measurement(
             f"{name}_line_{key}", listed[0][at], of, text, of_line, Uncertainty(listed[0][2 + at], source)
@@ -204,7 +204,6 @@ def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
 
 
 def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
-    frequency = f"{name}_line_frequency"
     return Table(
         f"{name}_lines",
         f"the largest sinusoids of {what}, means over the record, with standard uncertainties from the noise "
@@ -216,10 +215,8 @@ def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str,
         rows,
         basis,
         lines=(
-            LineColumn(
-                "amplitude", "amplitude_uncertainty", f"{name}_line_amplitude", frequency, "frequency_Hz"
-            ),
-            LineColumn("frequency_Hz", "frequency_uncertainty_Hz", frequency),
+            LineColumn("amplitude", "amplitude_uncertainty", f"{name}_line_amplitude", "frequency_Hz"),
+            LineColumn("frequency_Hz", "frequency_uncertainty_Hz", f"{name}_line_frequency", "frequency_Hz"),
         ),
     )
 

@@ -103,6 +103,7 @@ def current_unbalance(
         samples=first.samples,
         sample_rate_Hz=block.sample_rate_Hz,
         duration_s=first.samples / block.sample_rate_Hz,
+        frequency_Hz=first.fundamental_Hz,
         window=f"rectangular, {first.periods} whole electrical periods from row {FIRST_ROW} (from 0) on, by "
         f"{track.source}",
         reference="positive sequence of the fundamental",

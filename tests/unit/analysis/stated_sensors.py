@@ -9,6 +9,7 @@ import numpy as np
 
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.instruments import Instruments
+from benchtool.analysis.measurement import Basis
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
 
@@ -17,13 +18,19 @@ def sensor_of(**stated: object) -> Sensor:
     return Sensor.model_validate(stated)
 
 
-def reading(name: str, value: float, standard: float | None = 0.0, unit: str = "Nm") -> Measurement:
+def reading(
+    name: str,
+    value: float,
+    standard: float | None = 0.0,
+    unit: str = "Nm",
+    frequency_Hz: float | None = None,
+) -> Measurement:
     uncertain = None if standard is None else Uncertainty(standard, "scatter", 10.0)
-    return Measurement(name, value, unit, "", uncertainty=uncertain)
+    return Measurement(name, value, unit, "", Basis(frequency_Hz=frequency_Hz), uncertain)
 
 
 def applied(bench: Bench, *measurements: Measurement, blocks: Sequence[Block] = ()) -> list[Measurement]:
-    return list(Instruments(bench, blocks, pole_pairs=4).applied(measurements))
+    return list(Instruments(bench, blocks).applied(measurements))
 
 
 def uncertainty_of(measurement: Measurement) -> Uncertainty:

@@ -71,7 +71,7 @@ def _derivative(name: str, channel: str, error: str) -> float:
 def _stated(name: str, values: Values, channel: str, error: str) -> float:
     of = declared(name)
     assert of is not None
-    found = Found(name, values[name], values, EXAMPLE_MOTOR.pole_pairs)
+    found = Found(name, values[name], values)
     return sum(
         (each.gain if error == "gain" else each.offset)(found)
         for each in of.sensitivities

@@ -42,7 +42,7 @@ def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
     """A fifth of 250 Hz behind 500 Hz: 1.118, over the 1.005 of the fundamental."""
     bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=500.0)})
     found = (
-        reading("current_fundamental", 2.0, unit="A"),
+        reading("current_fundamental", 2.0, unit="A", frequency_Hz=50.0),
         replace(reading("current_thd_f", 10.0, unit="%"), basis=Basis(harmonics=9)),
         replace(reading("current_tdd", 10.0, unit="%"), basis=Basis(harmonics=50)),
         replace(reading("current_max_low_harmonic", 0.2, unit="A"), basis=Basis(bandwidth_Hz=1000.0)),
@@ -65,10 +65,9 @@ def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
 
 def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
     bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=50.0)})
-    found = reading("current_fundamental", 2.0, unit="A"), reading("fundamental_frequency", 60.0, unit="Hz")
-    line, _ = applied(bench, *found)
+    (line,) = applied(bench, reading("current_fundamental", 2.0, unit="A", frequency_Hz=60.0))
     _between(line, 2.0, 2.0 * math.hypot(1.0, 1.2**2))
-    lost, _ = applied(bench, found[0], replace(found[1], value=200.0))
+    (lost,) = applied(bench, reading("current_fundamental", 2.0, unit="A", frequency_Hz=200.0))
     assert (lost.value, lost.uncertainty, lost.correction) == (2.0, None, None)
     assert "may have taken off as much as is left" in lost.uncertainty_reason
 
@@ -76,11 +75,10 @@ def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
 def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
     sensor = sensor_of(bandwidth_Hz=500.0, bandwidth_tolerance_percent=5.0, serial_number="7")
     found = (
-        reading("torque_line_amplitude", 0.2, 0.01),
+        reading("torque_line_amplitude", 0.2, 0.01, frequency_Hz=250.0),
         reading("torque_ripple_pp", 0.4),
-        reading("torque_line_frequency", 250.0, unit="Hz"),
     )
-    line, pp, _ = applied(Bench(channels={"torque": sensor}), *found, blocks=[lines(f250=0.2)])
+    line, pp = applied(Bench(channels={"torque": sensor}), *found, blocks=[lines(f250=0.2)])
     size = math.hypot(1.0, 0.5)
     assert line.value == pytest.approx(0.2 * size)
     assert pp.value == pytest.approx(0.4 * size, rel=1e-3)
@@ -188,19 +186,21 @@ def test_a_size_is_not_corrected_below_zero(name: str, is_told: bool) -> None:
     assert is_told or (found.value, "more than it is" in found.uncertainty_reason) == (1e-4, True)
 
 
-def test_an_order_counts_revolutions_by_the_pole_pairs() -> None:
+def test_a_line_counts_at_its_frequency() -> None:
     bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=300.0)})
-    order, _ = applied(
-        bench, reading("torque_order_24", 0.1), reading("fundamental_frequency", 50.0, unit="Hz")
+    order, unknown = applied(
+        bench, reading("torque_order_24", 0.1, frequency_Hz=300.0), reading("torque_order_24", 0.1)
     )
     _between(order, 0.1, 0.1 * math.sqrt(2.0))
     assert " at 300 Hz; " in uncertainty_of(order).budget[-1].name
+    assert unknown.uncertainty is None
+    assert "not known without" in unknown.uncertainty_reason
 
 
 def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
     sensor = sensor_of(gain_U_percent=1.0, resolution_Nm=0.001, bandwidth_Hz=300.0)
     bench = Bench(channels={"torque": sensor})
-    measured = (reading("torque_order_24", 0.1, 0.002), reading("fundamental_frequency", 50.0, unit="Hz"))
+    measured = [reading("torque_order_24", 0.1, 0.002, frequency_Hz=300.0)]
     columns = (
         *(("order", ""), ("amplitude", "Nm"), ("percent_of_mean", "%")),
         *(("percent_of_largest", "%"), ("uncertainty", "Nm")),
@@ -211,10 +211,11 @@ def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
         "",
         columns,
         (*rows, (23.0, 0.01, 1.0, 5.0, math.nan)),
+        Basis(frequency_Hz=12.5),
         lines=(LineColumn("amplitude", "uncertainty", "torque_order_{order}"),),
     )
-    instruments = Instruments(bench, [lines(f150=0.2, f300=0.1)], pole_pairs=4)
-    order, _ = instruments.applied(measured)
+    instruments = Instruments(bench, [lines(f150=0.2, f300=0.1)])
+    (order,) = instruments.applied(measured)
     (found,) = instruments.applied_to([table], measured)
     assert [name for name, _ in found.columns] == [*(name for name, _ in columns), "correction"]
     _, amplitude, of_mean, of_largest, standard, added = found.rows[1]
