@@ -26,15 +26,15 @@ MOTOR = channels.MOTOR.model_copy(update={"pole_pairs": POLE_PAIRS})
 _HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.05, 7: 0.03, 11: 0.015, 13: 0.01}
 _ORDERS_NM: Mapping[int, float] = {1: 0.02, 12: 0.05, 24: 0.02}
 _LOSS_OUTWEIGHS_NOISE = 2.0
-_FASTER, _KNOWN_WITHIN_PERCENT = 1.3, 10.0
+_MOST_FASTER, _KNOWN_WITHIN_PERCENT = 3.0, 10.0
 
 
 @dataclass(frozen=True)
 class Sensed:
     """Current and torque behind sensors whose bandwidth is `ratio` times the tenth harmonic of the current.
 
-    A sensor is a first-order lag of the stated bandwidth, one of 1.3 times it, a Butterworth response of
-    second order, a lag whose bandwidth is stated within 10 % and lies anywhere there, or one of the first
+    A sensor is a first-order lag of the stated bandwidth, one of up to three times it, a Butterworth response
+    of second order, a lag whose bandwidth is stated within 10 % and lies anywhere there, or one of the first
     three.
     """
 
@@ -48,7 +48,8 @@ def own_response(actual: Actual, bandwidth_Hz: float, random: np.random.Generato
     if actual == "any":
         actual = ("lag", "faster", "second_order")[random.integers(3)]
     within = 0.01 * _KNOWN_WITHIN_PERCENT
-    factor = {"faster": _FASTER, "known": 1.0 + random.uniform(-within, within)}.get(actual, 1.0)
+    drawn = {"faster": random.uniform(1.0, _MOST_FASTER), "known": 1.0 + random.uniform(-within, within)}
+    factor = drawn.get(actual, 1.0)
     return factor * bandwidth_Hz, 2 if actual == "second_order" else 1
 
 
@@ -117,6 +118,41 @@ def _read_pp(measurements: tuple[Measurement, ...]) -> float:
     return next((each.as_read for each in measurements if each.name == "torque_ripple_pp"), math.nan)
 
 
+@dataclass(frozen=True)
+class SensedPhases:
+    """Three currents of slight unbalance behind sensors whose bandwidth is `ratio` times their frequency."""
+
+    ratio: float = 20.0
+    actual: Actual = "lag"
+    negative: float = 0.02
+    zero: float = 0.01
+    noise: float = 1e-3
+
+
+def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    f_Hz, count, size_A = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ), random.uniform(1.0, 5.0)
+    stated_Hz = what.ratio * f_Hz
+    theta = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform())
+    third, angles = 2 * np.pi / 3, np.exp(2j * np.pi * random.random(2))
+    currents = {}
+    for name, turn in (("i_a", 0.0), ("i_b", third), ("i_c", -third)):
+        phasor = np.exp(-1j * turn) + what.negative * angles[0] * np.exp(1j * turn) + what.zero * angles[1]
+        read = phasor * complex(_gain(f_Hz, *own_response(what.actual, stated_Hz, random)))
+        noise = what.noise * random.standard_normal(count)
+        currents[name] = size_A * (np.real(read * np.exp(1j * theta)) + noise)
+    block = Block.from_arrays(RATE_HZ, dict.fromkeys(currents, "A"), **currents)
+    bench = Bench(channels=dict.fromkeys(currents, stated_sensor(what.actual, stated_Hz)))
+    found = analyze_block(block, MOTOR, calibration=Calibration(bench))
+    truths = {
+        "current_sequence_positive": size_A,
+        "current_sequence_negative": size_A * what.negative,
+        "current_sequence_zero": size_A * what.zero,
+        "current_unbalance_percent": 100.0 * what.negative,
+        "current_unbalance_zero_percent": 100.0 * what.zero,
+    }
+    yield from selected(found.measurements, truths)
+
+
 ACTUAL: tuple[Actual, ...] = ("lag", "faster", "second_order", "known", "any")
 
 FAMILIES: tuple[Family, ...] = (
@@ -126,6 +162,14 @@ FAMILIES: tuple[Family, ...] = (
             f"sensor_{actual}_{ratio:g}": Sensed(ratio, actual)
             for actual in ACTUAL
             for ratio in (0.5, 1.0, 2.0, 5.0, 20.0)
+        },
+    ),
+    *families_of(
+        _phases,
+        {
+            f"sensor_{actual}_phases_{ratio:g}": SensedPhases(ratio, actual)
+            for actual in ACTUAL[-2:]  # alike by chance only
+            for ratio in (5.0, 50.0, 500.0)
         },
     ),
 )

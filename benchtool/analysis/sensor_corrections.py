@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from benchtool.analysis.measurement import Correction, Measurement
-from benchtool.analysis.sensor_lag import Estimate
+from benchtool.analysis.sensor_lag import Estimate, Lag
 from benchtool.analysis.uncertainty import Contribution, InstrumentError, Uncertainty, coverage_factor
 from benchtool.profile import Sensor
 
@@ -20,13 +20,14 @@ BANDWIDTH: Final = "bandwidth"
 class Effect:
     """What the bandwidth of a sensor, or of the three of the phases, has done to a number.
 
-    `of` says whose and what is known of it; `estimate` is the number as it was before, `scatter` the
-    uncertainty by the data of one that was measured as it was before.
+    `of` says whose and what is known of it, a guarantee or its response; `estimate` is the number as it was
+    before, `scatter` the uncertainty by the data of one that was measured as it was before.
     """
 
     of: str
     estimate: Estimate
     error: InstrumentError
+    is_guarantee: bool
     scatter: Uncertainty | None = None
 
     @classmethod
@@ -34,18 +35,19 @@ class Effect:
         cls,
         sensors: Mapping[str, Sensor],
         at: str,
-        known: str,
+        lag: Lag,
         estimate: Estimate,
         scatter: Uncertainty | None = None,
     ) -> Effect:
-        """By the sensors of channels; `at` is the frequency, `known` what is known of their responses."""
+        """By the sensors of channels; `at` is the frequency, `lag` what is known of their responses."""
         names = ", ".join(bandwidth_of(channel, sensor) for channel, sensor in sensors.items())
         identity = {
             key: ", ".join(filter(None, (getattr(sensor, key) for sensor in sensors.values())))
             for key in ("sensor", "serial_number", "certificate")
         }
         error = InstrumentError(BANDWIDTH, ", ".join(sensors), **identity)
-        return cls(f"bandwidth of {names}{at}; {known}", estimate, error, scatter)
+        text = f"bandwidth of {names}{at}; {lag.text}"
+        return cls(text, estimate, error, lag.tolerance is None, scatter)
 
 
 def corrected(
@@ -63,7 +65,10 @@ def corrected(
     value, by_sensors = read.value + added, math.hypot(*(each.standard for each in lines))
     names = ", ".join(each.of for each in effects)
     if proportional and coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0:
-        return without_uncertainty(read, f"the sensor may have taken off as much as is left ({names})"), ()
+        why = f"the sensor may have changed it by as much as is left ({names})"
+        if any(each.is_guarantee for each in effects):
+            why += ": state bandwidth_tolerance_percent, if its response is known"
+        return without_uncertainty(read, why), ()
     before = [each.scatter for each in effects if each.scatter is not None]
     uncertain = max(before, key=lambda each: each.standard, default=read.uncertainty)
     if uncertain is not None and proportional and read.value:

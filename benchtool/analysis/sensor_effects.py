@@ -73,8 +73,9 @@ def _sequence_before(
     """Return a symmetrical component, or a ratio of two, as it was before the lags of its three phases.
 
     Equal lags turn all phases alike, which is no unbalance; others are taken off the phasors of the recorded
-    phases. Losses of guarantees are taken as alike, errors of known bandwidths as independent: each turns
-    its phase, a third of which is in every component. None where it cannot be told.
+    phases. What is not known of each lag is taken as independent, as neither a guarantee nor a tolerance says
+    that three sensors are alike: it turns the lag's phase, a third of which is in every component. None where
+    it cannot be told.
     """
     alike = len(set(lags)) == 1
     recorded = [each for each in waveforms if each is not None]
@@ -98,10 +99,18 @@ def _sequence_before(
         return abs(found.value + unit * (whole - read))
 
     estimate = slowest.estimate(found.value, [before(way) for way in range(len(slowest.responses))])
-    turned = [(each.tolerance or 0.0) * at_Hz / each.bandwidth_Hz / _ROOT_3 for each in stated]
+    turned = [_turned(each, at_Hz) for each in stated]
     scale = 100.0 if is_ratio else found.other("current_sequence_positive")
     apart = 0.0 if found.name == "current_sequence_positive" else scale * math.hypot(*turned) / 3.0
     return Estimate(estimate.value, math.hypot(estimate.standard, apart))
+
+
+def _turned(lag: Lag, at_Hz: float) -> float:
+    """Return the standard uncertainty of the phasor that a lag leaves, relative to its length: rectangular, of
+    all that a guarantee allows or within the tolerance."""
+    if lag.tolerance is None:
+        return 0.5 * max(abs(complex(each.inverse(at_Hz)) - 1.0) for each in lag.responses) / _ROOT_3
+    return lag.tolerance * at_Hz / lag.bandwidth_Hz / _ROOT_3
 
 
 def _sequence(name: str, phasors: Sequence[complex]) -> float:

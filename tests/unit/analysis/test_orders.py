@@ -320,6 +320,8 @@ def test_what_is_not_steady_is_fitted_by_angle(what: str) -> None:
     assert "least squares" in orders.spectrum.method
     assert orders.spectrum.amplitude[71] == pytest.approx(0.2, rel=1e-6)
     assert orders.spectrum.basis.gaps == len(gaps)
+    # 8 revolutions in 2 s
+    assert orders.spectrum.basis.frequency_Hz == pytest.approx(4.0, rel=1e-3)  # 8 revolutions in 2 s
 
 
 def test_less_than_two_revolutions_of_a_capture_are_refused() -> None:

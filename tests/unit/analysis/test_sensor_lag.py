@@ -12,6 +12,7 @@ import pytest
 from benchtool.analysis import (
     Measurement,
     Table,
+    analyze_response,
     measurements_from_json,
     measurements_to_json,
     tables_from_json,
@@ -69,7 +70,7 @@ def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
     _between(line, 2.0, 2.0 * math.hypot(1.0, 1.2**2))
     (lost,) = applied(bench, reading("current_fundamental", 2.0, unit="A", frequency_Hz=200.0))
     assert (lost.value, lost.uncertainty, lost.correction) == (2.0, None, None)
-    assert "may have taken off as much as is left" in lost.uncertainty_reason
+    assert "may have changed it by as much as is left" in lost.uncertainty_reason
 
 
 def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
@@ -141,6 +142,54 @@ def test_lags_of_phases_turn_them_and_equal_ones_leave_no_unbalance(phases: tupl
     assert values["current_unbalance_percent"] == pytest.approx(0.0, abs=1e-3)
     before = {each.name: each.value for each in read}["current_unbalance_percent"]
     assert before == pytest.approx(10.0 / 3.0 if len(phases) == 1 else 0.0, abs=0.1)
+
+
+@pytest.mark.parametrize("tolerance_percent", [None, 10.0])
+def test_what_is_not_known_of_three_lags_looks_like_unbalance(tolerance_percent: float | None) -> None:
+    """Neither a guarantee nor a tolerance says that three sensors are alike."""
+    lag = {} if tolerance_percent is None else {"bandwidth_tolerance_percent": tolerance_percent}
+    sensor = sensor_of(bandwidth_Hz=3000.0, **lag)
+    found = (
+        reading("current_sequence_positive", 6.0, unit="A", frequency_Hz=30.0),
+        reading("current_sequence_negative", 0.3, unit="A", frequency_Hz=30.0),
+        reading("current_unbalance_percent", 5.0, unit="%", frequency_Hz=30.0),
+        reading("current_unbalance_zero_percent", 0.1, unit="%", frequency_Hz=30.0),
+    )
+    bench = Bench(channels=dict.fromkeys(("i_a", "i_b", "i_c"), sensor))
+    _, negative, percent, zero = applied(bench, *found)
+    # a third of each phase: a lag turns it by 0.01 rad, a Butterworth response by sqrt(2) times that
+    turned = (0.01 / math.sqrt(2.0) if tolerance_percent is None else 0.1 * 0.01) / ROOT_3
+    assert uncertainty_of(percent).standard == pytest.approx(100.0 * turned / ROOT_3, rel=1e-2)
+    assert uncertainty_of(negative).standard == pytest.approx(6.0 * turned / ROOT_3, rel=1e-2)
+    # of a tenth of a percent the sensors may have made all
+    assert (zero.uncertainty is None) == (tolerance_percent is None)
+    if tolerance_percent is None:
+        assert "state bandwidth_tolerance_percent" in zero.uncertainty_reason
+
+
+def test_a_response_is_divided_out_of_a_frequency_response() -> None:
+    """A lag of 100 Hz behind one of 200 Hz: both together have the bandwidth of 84 Hz."""
+    random, count, rate_Hz = np.random.default_rng(5), 20_000, 10e3
+    f_Hz = np.fft.rfftfreq(count, 1.0 / rate_Hz)
+    bins = np.where((f_Hz > 0.0) & (f_Hz < 400.0), np.exp(2j * np.pi * random.random(len(f_Hz))), 0.0)
+    x = np.tile(np.fft.irfft(bins), 2)
+    y = np.tile(np.fft.irfft(bins / (1.0 + 1j * f_Hz / 100.0) / (1.0 + 1j * f_Hz / 200.0)), 2)
+    y += 1e-2 * np.std(y) * random.standard_normal(len(y))
+    block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "Nm"}, x=x, y=y)
+
+    def measured(altered: Perturbed) -> tuple[Measurement, ...]:
+        return analyze_response(altered.of(block), "x", "y", period_rows=count).measurements
+
+    read = {each.name: each for each in measured(Perturbed("y"))}["bandwidth_3dB"]
+    sensor = sensor_of(bandwidth_Hz=200.0, bandwidth_tolerance_percent=1.0)
+    instruments = Instruments(
+        Bench(channels={"y": sensor}), [block], rests_on=lambda _: ("x", "y"), of_spectra=lambda _: True
+    )
+    (found,) = instruments.applied([read], measured)
+    assert read.value == pytest.approx(83.7, rel=0.01)
+    assert found.value == pytest.approx(100.0, abs=2.0 * uncertainty_of(found).standard)
+    # 1 % of the bandwidth moves what is corrected by as much, within limits
+    assert 0.05 < uncertainty_of(found).standard < 0.5
 
 
 def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
@@ -229,7 +278,7 @@ def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
     assert of_largest == pytest.approx(100.0 * amplitude / found.rows[0][1])
     assert found.rows[2][1] == 0.1
     assert math.isnan(found.rows[2][4])
-    assert "order 200: the sensor may have taken off as much" in found.uncertainty_reason
+    assert "order 200: the sensor may have changed it by as much" in found.uncertainty_reason
     assert "order 23: the noise around the line is not known" in found.uncertainty_reason
     (again,) = tables_from_json(tables_to_json([found]))
     assert (again.uncertainty_reason, again.rows[1]) == (found.uncertainty_reason, found.rows[1])

@@ -132,3 +132,14 @@ def test_the_sensors_of_the_profile_are_in_the_uncertainty() -> None:
         math.hypot(before.standard, 0.005 * plain["torque_mean"].value), rel=1e-3
     )
     assert [each.channel for each in sensed.overdue] == ["torque"]
+
+
+def test_the_angle_alone_tells_at_which_frequency_an_order_was_read() -> None:
+    """Order 12 at 25 revolutions per second is at 300 Hz."""
+    theta_m = 2.0 * math.pi * 25.0 * np.arange(8_000) / 10e3
+    torque = 1.0 + 0.1 * np.cos(12.0 * theta_m) + 1e-4 * np.random.default_rng(1).standard_normal(8_000)
+    block = Block.from_arrays(10e3, {"torque": "Nm"}, torque=torque, theta_m=np.mod(theta_m, 2.0 * math.pi))
+    bench = Bench(channels={"torque": Sensor(bandwidth_Hz=300.0, bandwidth_tolerance_percent=1.0)})
+    found = analyze(block, PROFILE.model_copy(update={"bench": bench}))["torque_order_largest_amplitude"]
+    assert found.basis.frequency_Hz == pytest.approx(300.0, rel=1e-3)
+    assert found.value == pytest.approx(0.1 * math.sqrt(2.0), rel=1e-3)
