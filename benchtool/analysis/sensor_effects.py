@@ -106,8 +106,8 @@ def _sequence_before(
 
 
 def _turned(lag: Lag, at_Hz: float) -> float:
-    """Return the standard uncertainty of the phasor that a lag leaves, relative to its length: rectangular, of
-    all that a guarantee allows or within the tolerance."""
+    """Return the standard uncertainty of a phasor behind a lag, relative to its length: rectangular, of all
+    that a guarantee allows or within the tolerance."""
     if lag.tolerance is None:
         return 0.5 * max(abs(complex(each.inverse(at_Hz)) - 1.0) for each in lag.responses) / _ROOT_3
     return lag.tolerance * at_Hz / lag.bandwidth_Hz / _ROOT_3
