@@ -23,8 +23,9 @@ Actual = Literal["lag", "faster", "second_order", "known", "any"]
 
 RATE_HZ, POLE_PAIRS = 20_000.0, 2
 MOTOR = channels.MOTOR.model_copy(update={"pole_pairs": POLE_PAIRS})
-_HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.05, 7: 0.03, 11: 0.015, 13: 0.01}
+_HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.02, 7: 0.02, 11: 0.02, 13: 0.01}
 _ORDERS_NM: Mapping[int, float] = {1: 0.02, 12: 0.05, 24: 0.02}
+_LOW_ORDER = 10  # below which the largest harmonic is looked for
 _LOSS_OUTWEIGHS_NOISE = 2.0
 _MOST_FASTER, _KNOWN_WITHIN_PERCENT = 3.0, 10.0
 
@@ -100,6 +101,7 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
         "current_thd_f": thd,
         "current_thd_f_subgroups": thd,
         "current_thd_f_groups": thd,
+        "current_max_low_harmonic": max(a for k, a in amplitudes.items() if 1 < k < _LOW_ORDER),
         "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + what.noise**2),
         **{f"torque_order_{k // POLE_PAIRS}p": orders[k] for k in (12, 24)},
     }
@@ -153,6 +155,37 @@ def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[tuple[M
     yield from selected(found.measurements, truths)
 
 
+@dataclass(frozen=True)
+class SensedSteps:
+    """A torque read in stated steps, whose ripple is `span` steps high, and then by a finer converter whose
+    noise of `later` steps hides them; `noise` is that before."""
+
+    span: float = 2.0
+    noise: float = 0.05
+    later: float = 0.05
+
+
+def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    f_Hz, count, step_Nm = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ), random.uniform(0.01, 0.1)
+    theta_m = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform()) / POLE_PAIRS
+    mean_Nm = step_Nm * random.uniform(10.0, 50.0)
+    orders = {12: step_Nm * what.span * random.uniform(0.5, 1.5), 2: step_Nm * random.uniform(0.05, 0.5)}
+    noise_Nm = step_Nm * what.noise
+    torque = mean_Nm + noise_Nm * random.standard_normal(count)
+    for k, a in orders.items():
+        torque += a * np.cos(k * theta_m + random.uniform(0, 2 * np.pi))
+    read = step_Nm * np.round(torque / step_Nm) + step_Nm * what.later * random.standard_normal(count)
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read, theta_m=np.mod(theta_m, 2 * np.pi))
+    bench = Bench(channels={"torque": Sensor.model_validate({"resolution_Nm": step_Nm})})
+    found = analyze_block(block, MOTOR, calibration=Calibration(bench))
+    truths = {
+        "torque_mean": mean_Nm,
+        "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + noise_Nm**2),
+        "torque_order_6p": orders[12],
+    }
+    yield from selected(found.measurements, truths)
+
+
 ACTUAL: tuple[Actual, ...] = ("lag", "faster", "second_order", "known", "any")
 
 FAMILIES: tuple[Family, ...] = (
@@ -162,6 +195,14 @@ FAMILIES: tuple[Family, ...] = (
             f"sensor_{actual}_{ratio:g}": Sensed(ratio, actual)
             for actual in ACTUAL
             for ratio in (0.5, 1.0, 2.0, 5.0, 20.0)
+        },
+    ),
+    *families_of(
+        _steps,
+        {
+            **{f"sensor_steps_{span:g}": SensedSteps(span) for span in (0.5, 2.0, 8.0)},
+            "sensor_steps_noise": SensedSteps(1.0, 0.4, 0.1),
+            "sensor_steps_shown": SensedSteps(1.5, 0.1, 0.0),
         },
     ),
     *families_of(

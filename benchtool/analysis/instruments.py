@@ -137,7 +137,8 @@ class Instruments:
     ) -> Measurement:
         if not math.isfinite(each.value):
             return each
-        found = Found(each.name, each.value, values)
+        line_Hz = math.nan if each.basis.frequency_Hz is None else each.basis.frequency_Hz
+        found = Found(each.name, each.value, values, line_Hz)
         stated = declared(each.name)
         effects = moved.effects if stated is None else [self._by_bandwidth(stated, found, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
@@ -250,8 +251,7 @@ class Instruments:
         if estimate is None:
             what = "the frequency" if waveforms[0] is not None else "a record of even samples without gaps"
             return _not_known(what, stating)
-        at = f" at {highest_Hz:.4g} Hz" if each.basis.frequency_Hz is not None else ""
-        return Effect.of_sensors(stating, at, next(filter(None, lags)), estimate)
+        return Effect.of_sensors(stating, next(filter(None, lags)), estimate)
 
     def _clock(self, each: Measurement) -> Iterator[Contribution]:
         clock = self.bench.clock
@@ -343,7 +343,7 @@ def _by_division(
         return _not_known("that number before it", {channel: sensor})
     estimate = lag.estimate(each.value, [of.value for of in whole])
     scatter = None if lag.tolerance is None else whole[0].uncertainty
-    return Effect.of_sensors({channel: sensor}, "", lag, estimate, scatter)
+    return Effect.of_sensors({channel: sensor}, lag, estimate, scatter)
 
 
 def _by_lags(
@@ -358,7 +358,7 @@ def _by_lags(
     if estimate is None:
         of = bandwidth_of(channel, sensor)
         return f"a further such sensor changes it by more than it is (bandwidth of {of})"
-    return Effect.of_sensors({channel: sensor}, "", lag, estimate)
+    return Effect.of_sensors({channel: sensor}, lag, estimate)
 
 
 def sensor_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:

@@ -33,11 +33,12 @@ _ROOT_6, _ROOT_12 = math.sqrt(6.0), math.sqrt(12.0)
 
 @dataclass(frozen=True)
 class Found:
-    """A measured value, and those of all measurements by name."""
+    """A measured value, those of all measurements by name, and the frequency of its line, if it is one."""
 
     name: str
     value: float
     values: Mapping[str, float]
+    line_Hz: float = math.nan
 
     def other(self, name: str) -> float:
         """Return the value of another measurement; nan if it was not made."""

@@ -34,19 +34,18 @@ class Effect:
     def of_sensors(
         cls,
         sensors: Mapping[str, Sensor],
-        at: str,
         lag: Lag,
         estimate: Estimate,
         scatter: Uncertainty | None = None,
     ) -> Effect:
-        """By the sensors of channels; `at` is the frequency, `lag` what is known of their responses."""
+        """By the sensors of channels; `lag` is what is known of their responses."""
         names = ", ".join(bandwidth_of(channel, sensor) for channel, sensor in sensors.items())
         identity = {
             key: ", ".join(filter(None, (getattr(sensor, key) for sensor in sensors.values())))
             for key in ("sensor", "serial_number", "certificate")
         }
         error = InstrumentError(BANDWIDTH, ", ".join(sensors), **identity)
-        text = f"bandwidth of {names}{at}; {lag.text}"
+        text = f"bandwidth of {names}; {lag.text}"
         return cls(text, estimate, error, lag.tolerance is None, scatter)
 
 

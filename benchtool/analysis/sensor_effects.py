@@ -14,15 +14,16 @@ from typing import Final
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.sensitivity import Declared, Found, Sensitivity
 from benchtool.analysis.sensor_lag import Estimate, Lag, Response
-from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics
+from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics, enlarged_largest
 
 _ROOT_3: Final = math.sqrt(3.0)
+_FEW_STEPS = 2.5
 
 
 def top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
     """Return the highest frequency that contributes; nan if it is unknown."""
     if stated.bandwidth in ("line", "sequence"):
-        return math.nan if each.basis.frequency_Hz is None else each.basis.frequency_Hz
+        return found.line_Hz
     if each.basis.harmonics is not None:
         return each.basis.harmonics * found.other("fundamental_frequency")
     return math.nan if each.basis.bandwidth_Hz is None else each.basis.bandwidth_Hz
@@ -54,7 +55,7 @@ def before_the_sensors(
         fundamental_Hz = found.other("fundamental_frequency")
         match stated.bandwidth:
             case "largest":
-                return response.enlarges(waveform.largest_Hz(fundamental_Hz, highest_Hz))
+                return enlarged_largest(waveform, fundamental_Hz, found.line_Hz, highest_Hz, response)
             case "band":
                 ratio = stated.as_ratio
                 return enlarged_harmonics(waveform, fundamental_Hz, highest_Hz, response, as_ratio=ratio)
@@ -138,7 +139,8 @@ def moved_by_steps(
     """Return the standard uncertainty by the steps in which a sensor reads, in the number's unit.
 
     Where no waveform tells how far their errors average out, it is that of the declaration; so it is of
-    extremes, each a single reading.
+    extremes, each a single reading. Of a waveform that spans few steps no other tells by how much: it may
+    have been several times larger or smaller.
     """
     if stated.bandwidth == "extremes":
         return part.resolution(found) * resolution
@@ -149,7 +151,10 @@ def moved_by_steps(
     if waveform is None or not read > 0.0:
         return part.resolution(found) * resolution
     scale = part.gain(found) if stated.bandwidth == "sequence" else found.value
-    return abs(scale) * by_steps(waveform, resolution, feature) / read
+    moved = by_steps(waveform, resolution, feature)
+    if stated.bandwidth in ("line", "power") and waveform.peak_to_peak < _FEW_STEPS * resolution:
+        moved = max(moved, resolution / math.sqrt(12.0))
+    return abs(scale) * moved / read
 
 
 def _feature(stated: Declared, found: Found, highest_Hz: float) -> Callable[[Waveform], complex]:
@@ -158,15 +163,13 @@ def _feature(stated: Declared, found: Found, highest_Hz: float) -> Callable[[Wav
 
     def harmonics(of: Waveform) -> float:
         whole = math.hypot(*(amplitude for _, amplitude in of.harmonics(fundamental_Hz, highest_Hz)))
-        return whole / abs(of.line(fundamental_Hz)) if stated.as_ratio and whole else whole
+        return whole / of.amplitude(fundamental_Hz) if stated.as_ratio and whole else whole
 
     match stated.bandwidth:
-        case "line":
-            return lambda of: abs(of.line(highest_Hz))
+        case "line" | "largest":
+            return lambda of: of.amplitude(found.line_Hz)
         case "sequence":
-            return lambda of: of.line(highest_Hz)
-        case "largest":
-            return lambda of: abs(of.line(of.largest_Hz(fundamental_Hz, highest_Hz)))
+            return lambda of: of.line(found.line_Hz)
         case "band":
             return harmonics
         case "noise":

@@ -25,6 +25,9 @@ _LOOKED_AT = 1 << 16  # samples
 _SETTLED = 10.0  # time constants, after which what was before the record is forgotten
 _MAIN_LOBE = 3.0  # bins of a line under a Hann window
 _PHASES = 8  # of the grid of a resolution, whose place is not known
+_MOST_LINES = 64
+_OF_A_STEP = 0.25  # lines below may be the steps' own
+_OF_A_LINE = 1.5  # power of three bins over that of the largest, of a line under a Hann window
 _STANDS_OUT = 12.0  # of the mean power of noise, which one bin of 160000 exceeds
 
 
@@ -34,7 +37,7 @@ class Waveform:
     def __init__(self, samples: Floats, rate_Hz: float) -> None:
         self.samples: Final = samples[:_LOOKED_AT]
         self.rate_Hz: Final = rate_Hz
-        self._in_steps: dict[float, tuple[Waveform, ...]] = {}
+        self._in_steps: dict[float, tuple[tuple[Waveform, Waveform], ...]] = {}
 
     @cached_property
     def mean(self) -> float:
@@ -61,18 +64,44 @@ class Waveform:
         place = round(abs(frequency_Hz) * len(self.samples) / self.rate_Hz)
         return complex(self.bins[place]) if place < len(self.bins) else 0.0
 
+    @cached_property
+    def amplitudes(self) -> Floats:
+        """Peak amplitude of a line at each bin, by the power in it and its neighbours, which is within 1 % of
+        that of a line between two bins."""
+        return self._amplitude(np.convolve(np.abs(self.bins) ** 2, np.ones(3), mode="same"))
+
+    @cached_property
+    def least_amplitude(self) -> float:
+        """Peak amplitude above which a line stands out of the noise."""
+        return float(self._amplitude(_OF_A_LINE * _least_of_lines(np.abs(self.bins) ** 2)))
+
+    def _amplitude(self, power: Floats | float) -> Floats:
+        """Return the peak amplitude of lines of which three bins hold so much power."""
+        weights = np.hanning(len(self.samples))
+        return np.asarray(2.0 * np.sqrt(power / (np.sum(weights**2) * len(weights))))
+
+    def amplitude(self, frequency_Hz: float) -> float:
+        """Return the peak amplitude of the line at a frequency; 0 beyond half the rate, or where it is not
+        known."""
+        if not math.isfinite(frequency_Hz):
+            return 0.0
+        place = round(frequency_Hz * len(self.samples) / self.rate_Hz)
+        return float(self.amplitudes[place]) if place < len(self.amplitudes) else 0.0
+
     def harmonics(self, fundamental_Hz: float, top_Hz: float) -> Iterator[tuple[float, float]]:
-        """Yield frequency and amplitude of orders 2, 3 ... up to a frequency, in the unit of `line`."""
+        """Yield frequency and peak amplitude of orders 2, 3 ... up to a frequency."""
         if fundamental_Hz > 0.0:
             for order in range(2, math.floor(min(top_Hz, 0.5 * self.rate_Hz) / fundamental_Hz + 1e-9) + 1):
-                yield order * fundamental_Hz, abs(self.line(order * fundamental_Hz))
+                yield order * fundamental_Hz, self.amplitude(order * fundamental_Hz)
 
-    def largest_Hz(self, fundamental_Hz: float, top_Hz: float) -> float:
-        """Return where the largest line up to a frequency is, other than the fundamental."""
-        of_bin_Hz = self.rate_Hz / len(self.samples)
-        size, at_Hz = np.abs(self.bins), np.arange(len(self.bins)) * of_bin_Hz
-        own = np.abs(at_Hz - fundamental_Hz) <= _MAIN_LOBE * of_bin_Hz
-        return float(at_Hz[np.argmax(np.where(own | (at_Hz > top_Hz), 0.0, size))])
+    def lines(self) -> tuple[NDArray[np.int64], Floats]:
+        """Return bins and peak amplitudes of the lines that stand out of the noise, at most 64."""
+        size = np.abs(self.bins)
+        inner = np.arange(1, len(size) - 1)
+        stands_out = self.amplitudes[inner] > self.least_amplitude
+        peaks = inner[stands_out & (size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
+        peaks = peaks[np.argsort(-size[peaks])][:_MOST_LINES]
+        return peaks, self.amplitudes[peaks]
 
     def before(self, response: Response) -> tuple[Waveform, Waveform]:
         """Return its inner half, and the same as it was before a sensor of that response.
@@ -101,14 +130,28 @@ class Waveform:
         left = np.abs(self.bins[(apart > _MAIN_LOBE) & (order > 0.0)])
         return float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
 
-    def in_steps(self, step: float) -> tuple[Waveform, ...]:
-        """Return it as read in steps, for eight places of their grid."""
+    def in_steps(self, step: float) -> tuple[tuple[Waveform, Waveform], ...]:
+        """Return eight waveforms alike, each before and after it was read in steps.
+
+        They have the mean, lines and noise of this one, at phases of their own, and the grid at eight places.
+        This one itself may have been read in the steps already, which once more would not move.
+        """
         if step not in self._in_steps:
-            self._in_steps[step] = tuple(
-                Waveform(in_steps(self.samples, step, (k + 0.5) / _PHASES), self.rate_Hz)
-                for k in range(_PHASES)
-            )
+            self._in_steps[step] = tuple(self._alike(step))
         return self._in_steps[step]
+
+    def _alike(self, step: float) -> Iterator[tuple[Waveform, Waveform]]:
+        random, count = np.random.default_rng(0), len(self.samples)
+        places, amplitudes = self.lines()
+        own = self.rms**2 - 0.5 * float(np.sum(amplitudes**2)) - step**2 / 12.0
+        noise, kept = math.sqrt(max(0.0, own)), amplitudes > _OF_A_STEP * step
+        places, amplitudes = places[kept], amplitudes[kept]
+        for k in range(_PHASES):
+            bins = np.zeros(count // 2 + 1, dtype=np.complex128)
+            bins[places] = 0.5 * count * amplitudes * np.exp(2j * np.pi * random.random(len(places)))
+            values = self.mean + fft.irfft(bins, count) + noise * random.standard_normal(count)
+            read = in_steps(values, step, (k + 0.5) / _PHASES)
+            yield Waveform(values, self.rate_Hz), Waveform(read, self.rate_Hz)
 
 
 def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Floats:
@@ -137,14 +180,28 @@ def in_steps(samples: Floats, step: float, phase: float) -> Floats:
     return np.asarray((np.round(samples / step - phase) + phase) * step)
 
 
+def enlarged_largest(
+    waveform: Waveform, fundamental_Hz: float, at_Hz: float, top_Hz: float, response: Response
+) -> float:
+    """Return by which factor the largest line was larger before a sensor: the one that was read at `at_Hz`,
+    or a harmonic that has lost more of itself."""
+    own = waveform.amplitude(at_Hz) or math.inf
+    others = (
+        response.enlarges(each_Hz) * size / own
+        for each_Hz, size in waveform.harmonics(fundamental_Hz, top_Hz)
+        if waveform.least_amplitude < size <= own
+    )
+    return max(response.enlarges(at_Hz), *others, 1.0)
+
+
 def enlarged_harmonics(
     waveform: Waveform, fundamental_Hz: float, top_Hz: float, response: Response, *, as_ratio: bool
 ) -> float:
     """Return by which factor the root of the sum of squares of the harmonics was larger before a sensor; of
     their ratio to the fundamental if `as_ratio`. Harmonics that do not stand out count as they were read."""
     lines = np.array(list(waveform.harmonics(fundamental_Hz, top_Hz))).reshape(-1, 2).T
-    squares, least = lines[1] ** 2, _least_of_lines(np.abs(waveform.bins) ** 2)
-    factors = np.where(squares > least, np.abs(response.inverse(lines[0])) ** 2, 1.0)
+    squares = lines[1] ** 2
+    factors = np.where(lines[1] > waveform.least_amplitude, np.abs(response.inverse(lines[0])) ** 2, 1.0)
     read, whole = float(np.sum(squares)), float(np.sum(factors * squares))
     own = response.enlarges(fundamental_Hz) if as_ratio else 1.0
     return math.sqrt(whole / read) / own if read > 0.0 else 1.0
@@ -153,9 +210,8 @@ def enlarged_harmonics(
 def by_steps(waveform: Waveform, step: float, feature: Feature) -> float:
     """Return the standard uncertainty of a feature by steps whose grid may begin anywhere, in its unit.
 
-    The rms change over eight places of the grid: step / sqrt(12) of a mean that nothing moves, and little
-    where the signal spans many steps, whose errors average out then.
+    The rms change of eight waveforms alike: step / sqrt(12) of a mean that nothing moves, and little where
+    the signal spans many steps, whose errors average out then.
     """
-    read = feature(waveform)
-    changes = [abs(feature(each) - read) for each in waveform.in_steps(step)]
+    changes = [abs(feature(read) - feature(before)) for before, read in waveform.in_steps(step)]
     return math.sqrt(sum(change**2 for change in changes) / len(changes))

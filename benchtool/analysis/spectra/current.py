@@ -228,7 +228,7 @@ def _lines(
         f"largest peak amplitude below {limit_Hz:.6g} Hz other than dc and the fundamental, here at "
         f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
     )
-    low = replace(basis, bandwidth_Hz=limit_Hz)
+    low = replace(basis, bandwidth_Hz=limit_Hz, frequency_Hz=largest.frequency_Hz)
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     if place % periods == 0:
         spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
