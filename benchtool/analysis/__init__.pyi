@@ -81,8 +81,12 @@ from .ripple import (
 from .ripple_scatter import percentile_range as percentile_range
 from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .sensitivity import (
-    declared as declared,
-    holds as holds,
+    SIGNED_AND_MEASURED_AGAIN as SIGNED_AND_MEASURED_AGAIN,
+    Extremes as Extremes,
+    Harmonics as Harmonics,
+    Largest as Largest,
+    Noise as Noise,
+    Sensitivities as Sensitivities,
 )
 from .sensor_corrections import BANDWIDTH as BANDWIDTH
 from .spectra.current import (

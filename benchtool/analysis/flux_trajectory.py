@@ -23,6 +23,7 @@ from benchtool.analysis.scatter import (
     is_memory_untold,
     scatter_of_largest,
 )
+from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
 from benchtool.analysis.torque import WAVEFORMS
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -31,6 +32,7 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _TOO_SLOW = "the revolutions are too few, or too much alike, to tell how much they scatter: record longer"
+_LEVEL: Final = Level()
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
 _BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
@@ -98,7 +100,14 @@ def _measurements(
     if not reason and is_memory_untold(means, np.add.reduceat(signs * (whole - mean), begins) / counts):
         reason = f"the radius of the flux wanders over the {len(means)} revolutions: record longer"
 
-    def measured(name: str, text: str, value: float, error: MeanError, *further: Contribution) -> Measurement:
+    def measured(
+        name: str,
+        text: str,
+        value: float,
+        error: MeanError,
+        *further: Contribution,
+        content: Content = _LEVEL,
+    ) -> Measurement:
         if reason:
             return Measurement.undefined(name, "Wb", text, reason, basis)
         source = f"scatter over {len(means)} revolutions, with their correlation"
@@ -106,7 +115,16 @@ def _measurements(
         budget += [each for each in further if each.standard != 0.0]
         uncertain = combined(budget, source)
         why = _TOO_SLOW if uncertain is None else ""
-        return Measurement(name, value, "Wb", text, basis, uncertain, uncertainty_reason=why)
+        return Measurement(
+            name,
+            value,
+            "Wb",
+            text,
+            basis,
+            uncertain,
+            uncertainty_reason=why,
+            sensitivities=Sensitivities(content=content),
+        )
 
     resolved = Contribution("resolution", "B", repeated)
     # a revolution ends within a sample
@@ -124,7 +142,7 @@ def _measurements(
     # of a difference of two radii, each of two readings
     of_both = Contribution("resolution", "B", step / math.sqrt(6.0))
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
-    yield measured("flux_radius_pp", text, span, extremes, of_both)
+    yield measured("flux_radius_pp", text, span, extremes, of_both, content=Extremes())
     text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square
@@ -135,7 +153,7 @@ def _measurements(
     if untold and not reason:
         yield Measurement.undefined("flux_radius_rms", "Wb", text, untold, basis)
     else:
-        yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean)
+        yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean, content=Power())
 
     # a radius that grows by d within a revolution reads d / 2 pi as a centre, and a sixth of that as order 7
     growth, of_growth = _growth(found[:, 1])

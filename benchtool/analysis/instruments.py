@@ -15,9 +15,9 @@ import numpy as np
 
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.quantisation import counting_step
-from benchtool.analysis.sensitivity import Declared, Found, Sensitivity, declared, is_positive
+from benchtool.analysis.sensitivity import Component, Level, Noise, Sensitivity
 from benchtool.analysis.sensor_corrections import Effect, bandwidth_of, corrected, without_uncertainty
-from benchtool.analysis.sensor_effects import before_the_sensors, moved_by_steps, top_Hz
+from benchtool.analysis.sensor_effects import before_the_sensors, moved_by_steps
 from benchtool.analysis.sensor_lag import Lag, Response
 from benchtool.analysis.sensor_tables import with_sensors
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
@@ -93,7 +93,6 @@ class Instruments:
     Args:
         bench: what is stated of them.
         blocks: what was recorded with them, for the resolution that the data show.
-        entries: name of a channel in the bench by the name that `sensitivity` has for it, where they differ.
         rests_on: the channels of a measurement that is not declared, by its name.
         of_spectra: whether such a measurement is of ratios of spectra, by its name.
         clock_of: whose clock times the samples.
@@ -101,7 +100,6 @@ class Instruments:
 
     bench: Bench
     blocks: Sequence[Block] = ()
-    entries: Mapping[str, str] | None = None
     rests_on: Callable[[str], Sequence[str]] = lambda _: ()
     of_spectra: Callable[[str], bool] = lambda _: False
     clock_of: str = "the drive"
@@ -118,42 +116,28 @@ class Instruments:
         A measurement without an uncertainty stays without one, since the sensors are only part of it; the
         basis states that of the sensors alone.
         """
-        values = {each.name: each.value for each in measurements}
         moved = {} if again is None else self._moved(measurements, again)
-        return tuple(self._applied(each, values, moved.get(each.name, Moved())) for each in measurements)
+        return tuple(self._applied(each, moved.get(each.name, Moved())) for each in measurements)
 
-    def applied_to(self, tables: Iterable[Table], measurements: Iterable[Measurement]) -> tuple[Table, ...]:
-        """Return tables with the errors of their sensors, beside the measurements of the same record."""
-        values = {each.name: each.value for each in measurements}
-        return tuple(
-            with_sensors(each, values, lambda row, of: self._applied(row, of, Moved())) for each in tables
-        )
+    def applied_to(self, tables: Iterable[Table]) -> tuple[Table, ...]:
+        """Return tables with the errors of their sensors."""
+        return tuple(with_sensors(each, lambda row: self._applied(row, Moved())) for each in tables)
 
-    def _applied(
-        self,
-        each: Measurement,
-        values: Mapping[str, float],
-        moved: Moved,
-    ) -> Measurement:
+    def _applied(self, each: Measurement, moved: Moved) -> Measurement:
         if not math.isfinite(each.value):
             return each
-        line_Hz = math.nan if each.basis.frequency_Hz is None else each.basis.frequency_Hz
-        found = Found(each.name, each.value, values, line_Hz)
-        stated = declared(each.name)
-        effects = moved.effects if stated is None else [self._by_bandwidth(stated, found, each)]
+        channels = each.sensitivities.channels
+        effects = moved.effects if channels is None else [self._by_bandwidth(channels, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
         known = [effect for effect in effects if isinstance(effect, Effect)] if not unknown else []
-        each, by_lags = corrected(each, known, proportional=stated is not None)
+        each, by_lags = corrected(each, known, proportional=channels is not None)
         if unknown:
             each = without_uncertainty(each, "; ".join(unknown))
         lines = [*moved.lines, *by_lags, *self._clock(each)]
-        remarks = [self._unstated(each.name, stated), *moved.remarks]
-        if stated is not None:
-            found = replace(found, value=each.value)
-            lines += [
-                line for part in stated.sensitivities for line in self._lines(part, stated, found, each)
-            ]
-            remarks.append(self._of_noise(stated))
+        remarks = [self._unstated(each), *moved.remarks]
+        if channels is not None:
+            lines += [line for part in channels for line in self._lines(part, each)]
+            remarks.append(self._of_noise(channels, each))
         lines = [line for line in lines if line.standard != 0.0]
         if each.uncertainty is None:
             remarks += [*unknown, _of_sensors_alone(lines, each.unit)]
@@ -165,21 +149,19 @@ class Instruments:
             return without_uncertainty(each, "it is not found again with another error of its sensors")
         return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
 
-    def _of_noise(self, stated: Declared) -> str:
+    def _of_noise(self, channels: Sequence[Sensitivity], each: Measurement) -> str:
         """Return the remark on noise that a sensor has attenuated; empty where it does not apply."""
-        lags = [Lag.of(self._sensor(part.channel)) for part in stated.sensitivities]
-        return _OF_READING if stated.bandwidth == "noise" and any(lags) else ""
+        lags = [Lag.of(self._sensor(part.channel)) for part in channels]
+        return _OF_READING if isinstance(each.sensitivities.content, Noise) and any(lags) else ""
 
     def _sensor(self, channel: str) -> Sensor | None:
-        return self.bench.channels.get(self._entry(channel))
+        return self.bench.channels.get(channel)
 
-    def _entry(self, channel: str) -> str:
-        return channel if self.entries is None else self.entries.get(channel, channel)
-
-    def _unstated(self, name: str, stated: Declared | None) -> str:
+    def _unstated(self, each: Measurement) -> str:
         """Return the remark on a number some of whose sensors are not stated."""
-        channels = self.rests_on(name) if stated is None else [each.channel for each in stated.sensitivities]
-        lacking = [self._entry(each) for each in channels if self._sensor(each) is None]
+        parts = each.sensitivities.channels
+        channels = self.rests_on(each.name) if parts is None else [part.channel for part in parts]
+        lacking = [name for name in channels if self._sensor(name) is None]
         if not lacking:
             return ""
         return (
@@ -188,21 +170,19 @@ class Instruments:
             else f"the uncertainty of {', '.join(lacking)} is not stated"
         )
 
-    def _lines(
-        self, part: Sensitivity, stated: Declared, found: Found, each: Measurement
-    ) -> Iterator[Contribution]:
-        """Yield the gain, offset and resolution of one channel."""
-        sensor = self._sensor(part.channel)
+    def _lines(self, part: Sensitivity, each: Measurement) -> Iterator[Contribution]:
+        """Yield the gain, offset and resolution of one channel, of a number that is corrected already."""
+        channel, sensor = part.channel, self._sensor(part.channel)
         if sensor is None:
             return
-        channel = self._entry(part.channel)
+        part = part.scaled(_corrected_by(each))
         if sensor.gain_standard > 0.0:
-            yield _gain(channel, sensor, part.gain(found) * sensor.gain_standard)
+            yield _gain(channel, sensor, part.gain * sensor.gain_standard)
         if sensor.offset_standard > 0.0:
-            yield _offset(channel, sensor, part.offset(found) * sensor.offset_standard)
-        if sensor.resolution and stated.by_resolution and (rest := self._rest(channel, sensor)) > 0.0:
-            waveform, highest_Hz = self._waveform(part.channel), top_Hz(stated, found, each)
-            moved = moved_by_steps(part, stated, found, highest_Hz, sensor.resolution, waveform)
+            yield _offset(channel, sensor, part.offset * sensor.offset_standard)
+        moves = sensor.resolution and each.sensitivities.by_resolution
+        if sensor.resolution and moves and (rest := self._rest(channel, sensor)) > 0.0:
+            moved = moved_by_steps(part, each, sensor.resolution, self._waveform(channel))
             yield self._of_resolution(channel, sensor, moved * rest / sensor.resolution)
 
     def _rest(self, channel: str, sensor: Sensor) -> float:
@@ -224,30 +204,28 @@ class Instruments:
 
     def _waveform(self, channel: str) -> Waveform | None:
         """Return the even samples of a channel; None where there are none."""
-        entry = self._entry(channel)
-        if entry not in self._waveforms:
-            block = next((each for each in self.blocks if entry in each.names), None)
+        if channel not in self._waveforms:
+            block = next((each for each in self.blocks if channel in each.names), None)
             even = block is not None and not block.gaps and len(block.data) >= _FEWEST
-            self._waveforms[entry] = (
-                Waveform(block.column(entry), block.sample_rate_Hz) if block is not None and even else None
+            self._waveforms[channel] = (
+                Waveform(block.column(channel), block.sample_rate_Hz) if block is not None and even else None
             )
-        return self._waveforms[entry]
+        return self._waveforms[channel]
 
-    def _by_bandwidth(self, stated: Declared, found: Found, each: Measurement) -> Effect | str:
+    def _by_bandwidth(self, channels: Sequence[Sensitivity], each: Measurement) -> Effect | str:
         """Return what the bandwidth of its sensors has done to a number, or why that is not known; empty if
         there is nothing."""
-        sensors = [self._sensor(part.channel) for part in stated.sensitivities]
+        sensors = [self._sensor(part.channel) for part in channels]
         lags = [Lag.of(sensor) for sensor in sensors]
         stating = {
-            self._entry(part.channel): sensor
-            for part, sensor, lag in zip(stated.sensitivities, sensors, lags, strict=True)
+            part.channel: sensor
+            for part, sensor, lag in zip(channels, sensors, lags, strict=True)
             if sensor is not None and lag is not None
         }
-        if not stating or stated.bandwidth in ("level", "noise"):
+        if not stating or isinstance(each.sensitivities.content, Level | Noise):
             return ""
-        highest_Hz = top_Hz(stated, found, each)
-        waveforms = [self._waveform(part.channel) for part in stated.sensitivities]
-        estimate = before_the_sensors(stated, found, highest_Hz, lags, waveforms)
+        waveforms = [self._waveform(part.channel) for part in channels]
+        estimate = before_the_sensors(each, lags, waveforms)
         if estimate is None:
             what = "the frequency" if waveforms[0] is not None else "a record of even samples without gaps"
             return _not_known(what, stating)
@@ -272,13 +250,11 @@ class Instruments:
         left = {
             each.name: each
             for each in measurements
-            if declared(each.name) is None and math.isfinite(each.value)
+            if not each.sensitivities.is_declared and math.isfinite(each.value)
         }
         found = {name: Moved() for name in left}
         for channel, sensor in self.bench.channels.items():
-            own = {
-                name: each for name, each in left.items() if channel in map(self._entry, self.rests_on(name))
-            }
+            own = {name: each for name, each in left.items() if channel in self.rests_on(name)}
             if own:
                 self._of_channel(channel, sensor, own, again, found)
         return found
@@ -354,7 +330,7 @@ def _by_lags(
     if not all(math.isfinite(once) for once, _ in later):
         return _not_known("a number with a further lag", {channel: sensor})
     scatter = 0.0 if each.uncertainty is None else each.uncertainty.standard
-    estimate = lag.estimate_by_lags(each.value, scatter, later, positive=is_positive(each.name))
+    estimate = lag.estimate_by_lags(each.value, scatter, later, positive=not each.sensitivities.is_signed)
     if estimate is None:
         of = bandwidth_of(channel, sensor)
         return f"a further such sensor changes it by more than it is (bandwidth of {of})"
@@ -399,6 +375,14 @@ def _offset(channel: str, sensor: Sensor, signed: float) -> Contribution:
 
 def _signed(name: str, signed: float, error: InstrumentError) -> Contribution:
     return Contribution(name, "B", abs(signed), instrument=error, sign=-1 if signed < 0.0 else 1)
+
+
+def _corrected_by(each: Measurement) -> float:
+    """Return the factor by which a number was corrected, and its derivatives with it; a symmetrical
+    component is not proportional to what the sensor takes off."""
+    if each.correction is None or each.as_read == 0.0:
+        return 1.0
+    return 1.0 if isinstance(each.sensitivities.content, Component) else each.value / each.as_read
 
 
 def _not_known(without: str, sensors: Mapping[str, Sensor]) -> str:

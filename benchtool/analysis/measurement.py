@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from benchtool.analysis.numbers import number, with_expanded
+from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.uncertainty import (
     Contribution,
     InstrumentError,
@@ -75,7 +76,8 @@ class Measurement:
     besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
     `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
-    which ends at its `basis.bandwidth_Hz`.
+    which ends at its `basis.bandwidth_Hz`. `sensitivities` are to the errors of sensors; they are not part
+    of the document.
     """
 
     name: str
@@ -89,6 +91,7 @@ class Measurement:
     in_common_band: Measurement | None = None
     uncertainty_reason: str = ""
     correction: Correction | None = None
+    sensitivities: Sensitivities = field(default=MEASURED_AGAIN, compare=False, repr=False)
 
     @property
     def as_read(self) -> float:
@@ -161,15 +164,16 @@ class Measurement:
 class LineColumn:
     """A column of a table whose numbers are measurements of lines, one in each row.
 
-    `measurement` is what such a number is called, with that of the row's column "order" for `{order}`;
-    `uncertainty` the column of their standard uncertainties, `frequency` that of their lines where there are
-    no orders.
+    `uncertainty` is the column of their standard uncertainties, `channel` what they were computed from,
+    `frequency` the column of the lines' frequencies where there are no orders; `is_amplitude` tells sizes of
+    lines from where they are.
     """
 
     value: str
     uncertainty: str
-    measurement: str
+    channel: str
     frequency: str = ""
+    is_amplitude: bool = True
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError, error_of_record, error_of_root
+from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
@@ -167,7 +168,10 @@ def _of_transducer(
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
     mean = float(np.mean(residual_Nm))
     text = f"mean of {what}"
-    yield Measurement(f"{name}_mean", mean, "Nm", text, basis, _uncertain(error_of_record(residual_Nm)))
+    uncertain = _uncertain(error_of_record(residual_Nm))
+    yield Measurement(
+        f"{name}_mean", mean, "Nm", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+    )
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
     square = residual_Nm**2
     uncertain = _uncertain(error_of_root(square, rms, error_of_record(square)))

@@ -22,6 +22,7 @@ from benchtool.analysis.ripple_scatter import (
     scatter_of_periods,
 )
 from benchtool.analysis.scatter import FEWEST_EXTREMES, TOO_SLOW, MeanError
+from benchtool.analysis.sensitivity import Sensitivities, Sensitivity
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
@@ -157,7 +158,8 @@ def ripple_of_rows(
     if scatter is not None:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
     unknown = _without_periods(begins, repeated) if scatter is None else ""
-    return tuple(_numbers(samples, whole, scatter, unknown, step, name, what, rated, basis))
+    numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
+    return tuple(numbers)
 
 
 def _without_periods(begins: NDArray[np.int64] | None, repeated: str = "electrical periods") -> str:
@@ -186,7 +188,7 @@ def peak_to_peak_number(
     basis = record_basis(block)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_rows())
     clipped = clipping(samples) or standing(samples)
-    return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, clipped)
+    return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, channel, clipped)
 
 
 def _numbers(
@@ -199,6 +201,7 @@ def _numbers(
     what: str,
     rated: float | None,
     basis: Basis,
+    channel: str,
 ) -> Iterator[Measurement]:
     unit = whole.unit
     clipped = clipping(samples) or standing(samples)
@@ -210,6 +213,7 @@ def _numbers(
         value: float,
         error: MeanError | None,
         floor: float,
+        sensitivities: Sensitivities,
         bound: float = 0.0,
         slow: float = 0.0,
     ) -> Measurement:
@@ -218,7 +222,9 @@ def _numbers(
             return Measurement.undefined(full, unit, text, clipped, basis)
         if scatter is None or error is None:
             why = unknown or _TOO_FEW_EXTREMES
-            return Measurement(full, value, unit, text, basis, uncertainty_reason=why)
+            return Measurement(
+                full, value, unit, text, basis, uncertainty_reason=why, sensitivities=sensitivities
+            )
         budget = (
             error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),
@@ -229,7 +235,9 @@ def _numbers(
         uncertain = combined(lines, source)
         why = "" if uncertain is not None else TOO_SLOW
         uncertain = _of_two_readings(uncertain, bound)
-        return Measurement(full, value, unit, text, basis, uncertain, uncertainty_reason=why)
+        return Measurement(
+            full, value, unit, text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
+        )
 
     # what noise turns into noise, the scatter holds already
     of_mean = of_rms = 0.0
@@ -248,9 +256,12 @@ def _numbers(
         whole.mean,
         scatter.mean if scatter else None,
         of_mean,
+        Sensitivities.of_mean(channel, whole.mean),
     )
     yield mean
-    peak_to_peak = _peak_to_peak(f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, clipped)
+    peak_to_peak = _peak_to_peak(
+        f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, channel, clipped
+    )
     yield peak_to_peak
     rms = measured(
         "ripple_rms",
@@ -258,6 +269,7 @@ def _numbers(
         whole.rms,
         scatter.rms if scatter else None,
         of_rms,
+        Sensitivities.of_rms(channel, whole.rms),
         slow=taken,
     )
     yield rms
@@ -268,6 +280,7 @@ def _numbers(
         range_between,
         scatter.percentile_range if scatter else None,
         step / math.sqrt(6.0),
+        Sensitivities.of_extremes(channel, range_between),
         step,
         slow=taken * range_between / whole.rms if whole.rms > 0.0 else 0.0,
     )
@@ -299,6 +312,7 @@ def _peak_to_peak(
     unknown: str,
     step: float,
     basis: Basis,
+    channel: str,
     clipped: str = "",
 ) -> Measurement:
     text = f"maximum minus minimum of {what}"
@@ -321,7 +335,16 @@ def _peak_to_peak(
         budget = []
     uncertain = _of_two_readings(combined(budget, source), step) if budget else None
     why = "" if uncertain is not None else unknown or (_GROWS if is_growing else _TOO_FEW_EXTREMES)
-    return Measurement(name, whole.peak_to_peak, whole.unit, text, basis, uncertain, uncertainty_reason=why)
+    return Measurement(
+        name,
+        whole.peak_to_peak,
+        whole.unit,
+        text,
+        basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=Sensitivities.of_extremes(channel, whole.peak_to_peak),
+    )
 
 
 def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:
@@ -364,4 +387,28 @@ def _percent(
         uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
     why = number.uncertainty_reason or (base_number.uncertainty_reason if base_number is not None else "")
     value, why = scale * number.value, why if uncertain is None else ""
-    return Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)
+    return Measurement(
+        name,
+        value,
+        "%",
+        text,
+        basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=_of_percent(number, scale, base_number),
+    )
+
+
+def _of_percent(number: Measurement, scale: float, mean: Measurement | None) -> Sensitivities:
+    """Return those of a ripple in percent of a `mean`, whose gain is the ripple's, or of what is rated."""
+    whole = number.sensitivities
+    parts = tuple(
+        Sensitivity(
+            each.channel,
+            scale * each.gain if mean is None else 0.0,
+            0.0 if mean is None else -scale * number.value / mean.value,
+            scale * each.resolution,
+        )
+        for each in whole.channels or ()
+    )
+    return replace(whole, channels=parts)

@@ -1,6 +1,6 @@
 """What the bandwidth and the resolution of a stated sensor do to a measurement, by the kind of number it is.
 
-The kind is that of `benchtool.analysis.sensitivity`, the change that of the recorded waveform.
+The kind is the content that its sensitivities state, the change that of the recorded waveform.
 """
 
 from __future__ import annotations
@@ -12,7 +12,17 @@ from dataclasses import replace
 from typing import Final
 
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.sensitivity import Declared, Found, Sensitivity
+from benchtool.analysis.sensitivity import (
+    Component,
+    Extremes,
+    Harmonics,
+    Largest,
+    Level,
+    Line,
+    Noise,
+    Power,
+    Sensitivity,
+)
 from benchtool.analysis.sensor_lag import Estimate, Lag, Response
 from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics, enlarged_largest
 
@@ -20,56 +30,62 @@ _ROOT_3: Final = math.sqrt(3.0)
 _FEW_STEPS = 2.5
 
 
-def top_Hz(stated: Declared, found: Found, each: Measurement) -> float:
+def top_Hz(each: Measurement) -> float:
     """Return the highest frequency that contributes; nan if it is unknown."""
-    if stated.bandwidth in ("line", "sequence"):
-        return found.line_Hz
-    if each.basis.harmonics is not None:
-        return each.basis.harmonics * found.other("fundamental_frequency")
-    return math.nan if each.basis.bandwidth_Hz is None else each.basis.bandwidth_Hz
+    match each.sensitivities.content:
+        case Line() | Component():
+            return _or_nan(each.basis.frequency_Hz)
+        case Harmonics(fundamental_Hz) if each.basis.harmonics is not None:
+            return each.basis.harmonics * fundamental_Hz
+        case _:
+            return _or_nan(each.basis.bandwidth_Hz)
 
 
 def before_the_sensors(
-    stated: Declared,
-    found: Found,
-    highest_Hz: float,
-    lags: Sequence[Lag | None],
-    waveforms: Sequence[Waveform | None],
+    each: Measurement, lags: Sequence[Lag | None], waveforms: Sequence[Waveform | None]
 ) -> Estimate | None:
     """Return a number as it was before the lags of its sensors; None where that cannot be told.
 
     Without even samples it is known of the highest frequency alone, which is the most that any loses.
     """
-    if stated.bandwidth == "sequence":
-        return _sequence_before(found, highest_Hz, lags, waveforms)
+    content, highest_Hz = each.sensitivities.content, top_Hz(each)
+    if isinstance(content, Component):
+        return _component_before(each.value, content, highest_Hz, lags, waveforms)
     (waveform, lag), *_ = ((each, lag) for each, lag in zip(waveforms, lags, strict=True) if lag is not None)
-    by_waveform = waveform is not None and stated.bandwidth != "line"
-    if not math.isfinite(highest_Hz) and not (by_waveform and stated.bandwidth in ("power", "extremes")):
+    by_waveform = waveform is not None and not isinstance(content, Line)
+    if not math.isfinite(highest_Hz) and not (by_waveform and isinstance(content, Power | Extremes)):
         return None
-    if waveform is None and stated.bandwidth != "line":
+    if waveform is None and not isinstance(content, Line):
         lag = replace(lag, tolerance=None)
 
     def factor(response: Response) -> float:
         if waveform is None or not by_waveform:
             return response.enlarges(highest_Hz)
-        fundamental_Hz = found.other("fundamental_frequency")
-        match stated.bandwidth:
-            case "largest":
-                return enlarged_largest(waveform, fundamental_Hz, found.line_Hz, highest_Hz, response)
-            case "band":
-                ratio = stated.as_ratio
-                return enlarged_harmonics(waveform, fundamental_Hz, highest_Hz, response, as_ratio=ratio)
-            case "power":
-                read, before = (each.rms for each in waveform.before(response))
+        match content:
+            case Largest(fundamental_Hz):
+                at_Hz = _or_nan(each.basis.frequency_Hz)
+                return enlarged_largest(waveform, fundamental_Hz, at_Hz, highest_Hz, response)
+            case Harmonics(fundamental_Hz, as_ratio):
+                return enlarged_harmonics(waveform, fundamental_Hz, highest_Hz, response, as_ratio=as_ratio)
+            case Power():
+                read, before = (part.rms for part in waveform.before(response))
             case _:
-                read, before = (each.peak_to_peak for each in waveform.before(response))
+                read, before = (part.peak_to_peak for part in waveform.before(response))
         return before / read if read > 0.0 else 1.0
 
-    return lag.estimate(found.value, [found.value * factor(each) for each in lag.responses])
+    return lag.estimate(each.value, [each.value * factor(response) for response in lag.responses])
 
 
-def _sequence_before(
-    found: Found, at_Hz: float, lags: Sequence[Lag | None], waveforms: Sequence[Waveform | None]
+def _or_nan(frequency_Hz: float | None) -> float:
+    return math.nan if frequency_Hz is None else frequency_Hz
+
+
+def _component_before(
+    value: float,
+    of: Component,
+    at_Hz: float,
+    lags: Sequence[Lag | None],
+    waveforms: Sequence[Waveform | None],
 ) -> Estimate | None:
     """Return a symmetrical component, or a ratio of two, as it was before the lags of its three phases.
 
@@ -86,23 +102,22 @@ def _sequence_before(
     if any(each.tolerance is None for each in stated):
         lags = [each and replace(each, tolerance=None) for each in lags]
     slowest = min((each for each in lags if each is not None), key=lambda each: each.bandwidth_Hz)
-    is_ratio = found.name.endswith("_percent")
     phasors = [each.line(at_Hz) for each in recorded]
 
     def before(way: int) -> float:
         inverses = [1.0 if each is None else complex(each.responses[way].inverse(at_Hz)) for each in lags]
         if alike:
-            return found.value * (1.0 if is_ratio else abs(inverses[0]))
-        read = _sequence(found.name, phasors)
-        whole = _sequence(found.name, [p * each for p, each in zip(phasors, inverses, strict=True)])
-        positive = _sequence("current_sequence_positive", phasors)
-        unit = 1.0 if is_ratio else found.other("current_sequence_positive") / positive
-        return abs(found.value + unit * (whole - read))
+            return value * (1.0 if of.in_percent else abs(inverses[0]))
+        read = _component(of, phasors)
+        whole = _component(of, [p * each for p, each in zip(phasors, inverses, strict=True)])
+        positive = _component(Component("positive", of.positive), phasors)
+        unit = 1.0 if of.in_percent else of.positive / positive
+        return abs(value + unit * (whole - read))
 
-    estimate = slowest.estimate(found.value, [before(way) for way in range(len(slowest.responses))])
+    estimate = slowest.estimate(value, [before(way) for way in range(len(slowest.responses))])
     turned = [_turned(each, at_Hz) for each in stated]
-    scale = 100.0 if is_ratio else found.other("current_sequence_positive")
-    apart = 0.0 if found.name == "current_sequence_positive" else scale * math.hypot(*turned) / 3.0
+    scale = 100.0 if of.in_percent else of.positive
+    apart = 0.0 if of.which == "positive" else scale * math.hypot(*turned) / 3.0
     return Estimate(estimate.value, math.hypot(estimate.standard, apart))
 
 
@@ -114,7 +129,7 @@ def _turned(lag: Lag, at_Hz: float) -> float:
     return lag.tolerance * at_Hz / lag.bandwidth_Hz / _ROOT_3
 
 
-def _sequence(name: str, phasors: Sequence[complex]) -> float:
+def _component(of: Component, phasors: Sequence[complex]) -> float:
     """Return a symmetrical component of phasors, or what it is in percent of the positive one, whichever way
     they turn."""
     zero, one, other = (
@@ -122,19 +137,12 @@ def _sequence(name: str, phasors: Sequence[complex]) -> float:
         for turn in range(3)
     )
     positive, negative = max(one, other), min(one, other)
-    of = {"positive": positive, "negative": negative, "zero": zero}
-    if name.endswith("_percent"):
-        return 100.0 * of["zero" if "zero" in name else "negative"] / positive
-    return of[name.rpartition("_")[2]]
+    found = {"positive": positive, "negative": negative, "zero": zero}[of.which]
+    return 100.0 * found / positive if of.in_percent else found
 
 
 def moved_by_steps(
-    part: Sensitivity,
-    stated: Declared,
-    found: Found,
-    highest_Hz: float,
-    resolution: float,
-    waveform: Waveform | None,
+    part: Sensitivity, each: Measurement, resolution: float, waveform: Waveform | None
 ) -> float:
     """Return the standard uncertainty by the steps in which a sensor reads, in the number's unit.
 
@@ -142,37 +150,39 @@ def moved_by_steps(
     extremes, each a single reading. Of a waveform that spans few steps no other tells by how much: it may
     have been several times larger or smaller.
     """
-    if stated.bandwidth == "extremes":
-        return part.resolution(found) * resolution
-    if waveform is not None and stated.bandwidth == "level":
-        return abs(part.offset(found)) * by_steps(waveform, resolution, lambda of: of.mean)
-    feature = _feature(stated, found, highest_Hz)
-    read = 0.0 if waveform is None else abs(feature(waveform))
-    if waveform is None or not read > 0.0:
-        return part.resolution(found) * resolution
-    scale = part.gain(found) if stated.bandwidth == "sequence" else found.value
+    content = each.sensitivities.content
+    if waveform is None or isinstance(content, Extremes):
+        return part.resolution * resolution
+    if isinstance(content, Level):
+        return abs(part.offset) * by_steps(waveform, resolution, lambda of: of.mean)
+    feature = _feature(each)
+    read = abs(feature(waveform))
+    if not read > 0.0:
+        return part.resolution * resolution
+    scale = part.gain if isinstance(content, Component) else each.value
     moved = by_steps(waveform, resolution, feature)
-    if stated.bandwidth in ("line", "power") and waveform.peak_to_peak < _FEW_STEPS * resolution:
+    if isinstance(content, Line | Power) and waveform.peak_to_peak < _FEW_STEPS * resolution:
         moved = max(moved, resolution / math.sqrt(12.0))
     return abs(scale) * moved / read
 
 
-def _feature(stated: Declared, found: Found, highest_Hz: float) -> Callable[[Waveform], complex]:
+def _feature(each: Measurement) -> Callable[[Waveform], complex]:
     """Return the feature of a waveform that such a number is proportional to, 0 where it is not known."""
-    fundamental_Hz = found.other("fundamental_frequency")
+    line_Hz = _or_nan(each.basis.frequency_Hz)
+    match each.sensitivities.content:
+        case Line() | Largest():
+            return lambda of: of.amplitude(line_Hz)
+        case Component():
+            return lambda of: of.line(line_Hz)
+        case Harmonics(fundamental_Hz, as_ratio):
+            highest_Hz = top_Hz(each)
 
-    def harmonics(of: Waveform) -> float:
-        whole = math.hypot(*(amplitude for _, amplitude in of.harmonics(fundamental_Hz, highest_Hz)))
-        return whole / of.amplitude(fundamental_Hz) if stated.as_ratio and whole else whole
+            def harmonics(of: Waveform) -> float:
+                whole = math.hypot(*(amplitude for _, amplitude in of.harmonics(fundamental_Hz, highest_Hz)))
+                return whole / of.amplitude(fundamental_Hz) if as_ratio and whole else whole
 
-    match stated.bandwidth:
-        case "line" | "largest":
-            return lambda of: of.amplitude(found.line_Hz)
-        case "sequence":
-            return lambda of: of.line(found.line_Hz)
-        case "band":
             return harmonics
-        case "noise":
+        case Noise(fundamental_Hz):
             return lambda of: of.between(fundamental_Hz)
         case _:
             return lambda of: of.rms

@@ -7,15 +7,16 @@ is found in the same way. Other tables say that their rows are as they were read
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
 from benchtool.analysis.measurement import LineColumn, Measurement, Table
+from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Uncertainty
 
-Apply = Callable[[Measurement, Mapping[str, float]], Measurement]
-"""Returns a measurement with its sensors; of the other measurements that it needs those by name."""
+Apply = Callable[[Measurement], Measurement]
+"""Returns a measurement with its sensors."""
 
 AS_READ: Final = (
     "rows are as they were read: neither corrected for the sensors nor with an uncertainty of them"
@@ -27,11 +28,8 @@ _UNKNOWN = "the noise around the line is not known"
 Row = dict[str, float]
 
 
-def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Table:
-    """Return a table with its sensors in values and uncertainties; what was added is a column of its own.
-
-    `values` are those of the measurements by name.
-    """
+def with_sensors(table: Table, apply: Apply) -> Table:
+    """Return a table with its sensors in values and uncertainties; what was added is a column of its own."""
     if not table.lines:
         return replace(table, uncertainty_reason=table.uncertainty_reason or AS_READ)
     if not table.rows:
@@ -43,7 +41,7 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
     for column in table.lines:
         for place, row in enumerate(rows):
             read = _read(row, column, units[column.value], table)
-            found = apply(read, values)
+            found = apply(read)
             remarks[found.basis.sensors] = None
             if found.correction is not None:
                 added[place] = found.correction.added
@@ -71,15 +69,23 @@ def with_sensors(table: Table, values: Mapping[str, float], apply: Apply) -> Tab
 
 def _read(row: Row, column: LineColumn, unit: str, table: Table) -> Measurement:
     """Return the number of a row as a measurement."""
-    name, standard = column.measurement, row[column.uncertainty]
+    value, standard = row[column.value], row[column.uncertainty]
     first_Hz, order = table.basis.frequency_Hz, row.get("order", 1.0)
     of_order_Hz = None if first_Hz is None else order * first_Hz
-    name = name.format(order=int(order))
     basis = replace(table.basis, frequency_Hz=row[column.frequency] if column.frequency else of_order_Hz)
-    if not math.isfinite(standard):
-        why = table.uncertainty_reason or _UNKNOWN
-        return Measurement(name, row[column.value], unit, "", basis, uncertainty_reason=why)
-    return Measurement(name, row[column.value], unit, "", basis, Uncertainty(standard, table.definition))
+    known, sensed = math.isfinite(standard), Sensitivities.unmoved(column.channel)
+    if column.is_amplitude:
+        sensed = Sensitivities.of_line(column.channel, value)
+    return Measurement(
+        column.value,
+        value,
+        unit,
+        "",
+        basis,
+        Uncertainty(standard, table.definition) if known else None,
+        uncertainty_reason="" if known else table.uncertainty_reason or _UNKNOWN,
+        sensitivities=sensed,
+    )
 
 
 def _with_shares(rows: list[Row], table: Table) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.scatter import TOO_SLOW, error_of_record
+from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
@@ -82,6 +83,7 @@ def switching_frequency(block: Block) -> Measurement:
         Basis(len(count), rate_Hz, duration_s, gaps=0),
         uncertain,
         uncertainty_reason=TOO_SLOW if uncertain is None else "",
+        sensitivities=NO_SENSORS,
     )
 
 

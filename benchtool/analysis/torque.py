@@ -12,6 +12,7 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.ripple import ripple_numbers
+from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
 from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -89,7 +90,21 @@ def transducer_torque(
     reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
     basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
     why = "" if uncertain is not None else estimate.uncertainty_reason or mean.uncertainty_reason
-    error = Measurement("torque_error", error_Nm, "Nm", text, basis, uncertain, uncertainty_reason=why)
+    error = Measurement(
+        "torque_error",
+        error_Nm,
+        "Nm",
+        text,
+        basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=Sensitivities(
+            (
+                Sensitivity("torque", estimate.value, 1.0, OF_MEAN_STEP),
+                Sensitivity("torque_transducer", -mean.value, -1.0, OF_MEAN_STEP),
+            )
+        ),
+    )
     return (*numbers, error)
 
 

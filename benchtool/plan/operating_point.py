@@ -15,9 +15,11 @@ from typing import Any, Final
 import numpy as np
 
 from benchtool.analysis import (
+    SIGNED_AND_MEASURED_AGAIN,
     Basis,
     Contribution,
     Measurement,
+    Sensitivities,
     Uncertainty,
     combined,
     crop_to,
@@ -183,7 +185,9 @@ def measure_held(rows: Block) -> Iterator[Measurement]:
         if name in rows.names and name != "torque":
             mean = _mean_of(rows, name, f"{name} in the rows")
             text = f"mean of {mean.source}; nothing was asked for"
-            yield _number(f"{name}_reached", rows.unit(name), text, mean)
+            yield _number(
+                f"{name}_reached", rows.unit(name), text, mean, Sensitivities.of_mean(name, mean.value)
+            )
 
 
 def _rows(plan: Plan, capture: Block) -> Block | None:
@@ -264,6 +268,7 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
     text = (
         f"asked for: {each.value:g} {each.unit}" if each.tolerance is not None else "nothing says where to be"
     )
+    sensitivities = SIGNED_AND_MEASURED_AGAIN
     match each.name:
         case "load_torque_reached" if point.mode_of_operation is Mode.TORQUE:
             mean, slope = signals.mean("torque"), signals.acceleration_rad_s2()
@@ -276,18 +281,30 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
         case "load_torque_reached":
             mean = signals.on_shaft()
         case name:
-            mean = signals.mean(name.removesuffix("_reached"))
+            signal = name.removesuffix("_reached")
+            mean = signals.mean(signal)
+            if mean is not None:
+                sensitivities = Sensitivities.of_mean(signal, mean.value)
     if mean is None:
         return Measurement.undefined(
             each.name, each.unit, f"mean; {text}", "neither the capture nor the drive provides it"
         )
     definition = f"mean of {mean.source}; {text}"
-    return _number(each.name, each.unit, definition, mean)
+    return _number(each.name, each.unit, definition, mean, sensitivities)
 
 
-def _number(name: str, unit: str, definition: str, mean: _Mean) -> Measurement:
+def _number(name: str, unit: str, definition: str, mean: _Mean, sensitivities: Sensitivities) -> Measurement:
     uncertain, why = _scatter_of(mean)
-    return Measurement(name, mean.value, unit, definition, mean.basis, uncertain, uncertainty_reason=why)
+    return Measurement(
+        name,
+        mean.value,
+        unit,
+        definition,
+        mean.basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=sensitivities,
+    )
 
 
 def _scatter_of(mean: _Mean) -> tuple[Uncertainty | None, str]:

@@ -50,7 +50,13 @@ from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
 from benchtool.results.regimes import Regime
-from benchtool.results.remeasurement import is_of_spectra, perturbed_readings, remeasured, rests_on
+from benchtool.results.remeasurement import (
+    is_of_spectra,
+    names_of_undeclared,
+    perturbed_readings,
+    remeasured,
+    rests_on,
+)
 from benchtool.results.repetitions import Repeated, limits_alone
 
 
@@ -331,6 +337,8 @@ def assess(
         of_spectra=is_of_spectra,
     )
 
+    undeclared = names_of_undeclared(answers.measurements)
+
     def again(altered: Perturbed) -> Iterator[Measurement]:
         """Yield the measurements that depend on the waveform, with a perturbed channel."""
         other = altered.of(capture)
@@ -341,7 +349,7 @@ def assess(
         if not refusal:
             with suppress(AnalysisError):  # a measurement that is not found again has an unknown uncertainty
                 todo = of_plan(plan, motor, other, shaft)
-                yield from remeasured(plan.analyses, todo, altered.channel)
+                yield from remeasured(plan.analyses, todo, altered.channel, undeclared)
 
     measurements = instruments.applied((*answers.measurements, *reached), again)
     if not refusal:
@@ -362,7 +370,7 @@ def assess(
         capture,
         transducer,
         steady_state_of(answers.findings) if plan.analyses.steady and not refusal else None,
-        instruments.applied_to(answers.tables, answers.measurements),
+        instruments.applied_to(answers.tables),
         answers.findings,
         answers.without,
         seen.parameter_check,

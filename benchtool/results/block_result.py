@@ -18,15 +18,18 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from benchtool.analysis import (
+    Extremes,
     Findings,
+    Harmonics,
     Instruments,
+    Largest,
     Measurement,
+    Noise,
     Perturbed,
     SteadyState,
     Table,
     Window,
     catalogue,
-    holds,
     measurements_to_json,
     sensor_remarks,
     steady_state_of,
@@ -41,7 +44,7 @@ from benchtool.profile import Motor, Profile
 from benchtool.results.analyses import Planned, measure_each, planned, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
-from benchtool.results.remeasurement import channels_of, is_of_spectra, remeasured
+from benchtool.results.remeasurement import channels_of, is_of_spectra, names_of_undeclared, remeasured
 from benchtool.results.rotation import ROTATING, Rotation
 from benchtool.results.windows import without
 
@@ -208,14 +211,16 @@ def analyze_block(
     rests_on = partial(channels_of, analyses)
     instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, of_spectra=is_of_spectra)
 
+    numbers = [each for findings in found.values() for each in findings.measurements]
+    undeclared = names_of_undeclared(numbers)
+
     def again(altered: Perturbed) -> Iterable[Measurement]:
         shaft = None if transducer is None else altered.of(transducer)
         try:
-            return tuple(remeasured(analyses, todo(altered.of(block), shaft), altered.channel))
+            return tuple(remeasured(analyses, todo(altered.of(block), shaft), altered.channel, undeclared))
         except AnalysisError:  # a measurement that is not found again has an unknown uncertainty
             return ()
 
-    numbers = [each for findings in found.values() for each in findings.measurements]
     applied = instruments.applied(list(_as_resolved(numbers, block)), again)
     measurements = with_common_band(
         applied, block, transducer, lambda narrow: todo(narrow, transducer), instruments
@@ -229,7 +234,7 @@ def analyze_block(
         found,
         without_channels(here),
         calibration.overdue(names),
-        instruments.applied_to(tables, numbers),
+        instruments.applied_to(tables),
     )
 
 
@@ -273,16 +278,19 @@ def _as_resolved(numbers: Sequence[Measurement], block: Block) -> Iterator[Measu
         return
     apart, band_Hz = f"{block.stride} control ticks apart", 0.5 * block.sample_rate_Hz
     remedy = "capture, or stream every tick"
-    reasons = {
-        "extremes": f"the rows are {apart}, extremes between them are not seen: {remedy}",
-        **dict.fromkeys(
-            ("band", "largest", "noise"),
-            f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: "
-            f"{remedy}",
-        ),
-    }
+    unseen = f"the rows are {apart}, extremes between them are not seen: {remedy}"
+    folded = (
+        f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: {remedy}"
+    )
     for each in numbers:
-        if reason := each.reason or reasons.get(holds(each.name), ""):
+        match each.sensitivities.content:
+            case Extremes():
+                reason = each.reason or unseen
+            case Harmonics() | Largest() | Noise():
+                reason = each.reason or folded
+            case _:
+                reason = each.reason
+        if reason:
             yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
         else:
             yield replace(each, definition=f"{each.definition}; {_folded(block)}")

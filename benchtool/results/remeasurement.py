@@ -6,12 +6,13 @@ The numerical derivative of JCGM 100:2008, 5.1.3, note 2: `benchtool.analysis.in
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import replace
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Perturbed, catalogue, declared, measure
+from benchtool.analysis import Measurement, Perturbed, catalogue, measure
 from benchtool.plan import Analyses, CaseReadings, Plan
 from benchtool.protocol import Mode
 from benchtool.results.analyses import Planned
@@ -50,20 +51,30 @@ def perturbed_readings(seen: CaseReadings, altered: Perturbed) -> CaseReadings:
     return replace(seen, readings={**seen.readings, altered.channel: tuple(values.tolist())})
 
 
-def remeasured(analyses: Analyses, todo: Iterable[Planned], channel: str) -> Iterator[Measurement]:
+def names_of_undeclared(measurements: Iterable[Measurement]) -> frozenset[str]:
+    """Return the names of the measurements that have a value and declare no sensitivities."""
+    return frozenset(
+        each.name for each in measurements if math.isfinite(each.value) and not each.sensitivities.is_declared
+    )
+
+
+def remeasured(
+    analyses: Analyses, todo: Iterable[Planned], channel: str, undeclared: Set[str]
+) -> Iterator[Measurement]:
     """Yield what these analyses find that rest on a channel and declare no sensitivity to it.
 
     Args:
         analyses: with the settings that `todo` has.
         todo: of the recording as the channel would have been read with another error.
         channel: its name.
+        undeclared: the names of the measurements that declare no sensitivities.
 
     Raises:
         AnalysisError: the data do not allow one of them.
     """
     for each in todo:
-        undeclared = next((name for name in each.analysis.names if declared(name) is None), None)
-        if undeclared is None or not each.possible:
+        own = next((name for name in undeclared if each.analysis.quantity(name) is not None), None)
+        if own is None or not each.possible:
             continue
-        if channel in channels_of(analyses, undeclared):
+        if channel in channels_of(analyses, own):
             yield from measure(each.analysis, each.window, each.settings).measurements

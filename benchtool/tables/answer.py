@@ -79,7 +79,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     measured = tuple(each for each in found if isinstance(each, Measurement))
     instruments = _instruments(record)
     measurements = instruments.applied(measured)
-    tables = instruments.applied_to(tables, measured)
+    tables = instruments.applied_to(tables)
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *units_assumed(columns.chosen),
@@ -115,9 +115,8 @@ def table_block(question: TableQuestion) -> Block:
 
 def _instruments(record: Record) -> Instruments:
     """Return the sensors of the columns, and the clock that timed them."""
-    stated, sensors, entries = record.question.bench.channels, {}, {}
+    stated, sensors = record.question.bench.channels, {}
     for what, channel in record.channels.items():
-        entries[_SENSED.get(what, what)] = channel.name
         name = next((each for each in (*_names(channel.name), what) if each in stated), None)
         if name is None:
             continue
@@ -137,7 +136,6 @@ def _instruments(record: Record) -> Instruments:
     return Instruments(
         Bench(channels=sensors, clock=record.question.bench.clock),
         blocks,
-        entries=entries,
         clock_of="the record",
     )
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from benchtool.analysis.sensitivity import declared
 from benchtool.cli import app
 from tests.emulated.analyze_csv import Invoke, analyze, measured
 from tests.emulated.csv_tables import phase_current, sinusoid, write
@@ -57,25 +56,6 @@ def test_a_probe_counts_by_its_column_or_by_what_it_is(invoke: Invoke, key: str)
     assert line["name"] == "gain of CH1 [A] (current probe, no. C-3, certificate 2026-1); U = 0.5 %, k = 2"
     assert "sensors" not in amplitude["basis"]
     assert stated["current_thd_f"]["uncertainty"]["standard"] < 0.01
-
-
-def test_every_number_of_a_table_has_a_stated_sensitivity(invoke: Invoke) -> None:
-    """A table is not measured again: what is not declared would leave its sensors out."""
-    time_s, current, angle = sinusoid(50.0)
-    noise = 1e-3 * np.random.default_rng(1).standard_normal((3, len(time_s)))
-    torque, speed = 1.0 + 0.1 * np.cos(6.0 * angle) + noise[0], 80.0 + np.cos(2.0 * angle) + noise[1]
-    write("x.csv", "t,i,T,w,phi", [time_s, current + noise[2], torque, speed, angle])
-    columns = ("--csv", "x.csv", "--time", "t", "--current", "i", "--torque", "T", "--speed", "w")
-    turning = ("--angle", "phi", "--pole-pairs", "4", "--rated-torque", "2")
-    names = set()
-    for more in (turning, ("--rated-torque", "2")):
-        names |= set(measured(invoke(*columns, *more, "--json"))["measurements"])
-    write("q.csv", "t,Iq,T", [time_s, 2.0 + noise[0], torque])
-    names |= set(
-        measured(invoke(*SCOPE[:1], "q.csv", "--time", "t", "--current", "Iq", "--json"))["measurements"]
-    )
-    assert len(names) > 30
-    assert [name for name in sorted(names) if declared(name) is None] == []
 
 
 def test_a_ripple_of_a_table_knows_gain_and_offset_of_its_column(invoke: Invoke) -> None:

@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from benchtool.analysis.balances.flux_model import NEEDED, Electrical, Ticks, flux_of
+from benchtool.analysis.balances.flux_model import NEEDED, PHASES, Electrical, Ticks, flux_of
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
 from benchtool.analysis.validity import clipping, require_unbroken
 from benchtool.analysis.window import Window
@@ -153,7 +154,7 @@ def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBal
             f"the capture holds one tick in {block.stride}, each is needed to balance the flux: record with "
             f"stride = 1"
         )
-    for name in ("i_a", "i_b", "i_c"):
+    for name in PHASES:
         if clipped := clipping(block.column(name)):
             raise AnalysisError(f"'{name}': {clipped}: lower the current, or widen its range")
     if len(block.data) < _FEWEST:
@@ -380,12 +381,21 @@ def _measurements(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
         value = found.solution.value(name)
         scaled = 0.0 if name in _ANGLES_AND_GAINS else relative * abs(value)
         further = Contribution("resolution of u_dc", "B", scaled)
-        yield Measurement(full, value, unit, definition, basis, found.solution.uncertainty(name, further))
+        yield Measurement(
+            full,
+            value,
+            unit,
+            definition,
+            basis,
+            found.solution.uncertainty(name, further),
+            sensitivities=Sensitivities.of_gains(value, _SHARES.get(name, ())),
+        )
     what = "rms error of the current predicted a tick ahead"
     names = ("flux_balance_error_rms", "flux_balance_belief_error_rms")
     for name, value, with_ in zip(names, found.error_A, ("estimated", "believed"), strict=True):
         uncertain = Uncertainty(value / math.sqrt(2.0 * (basis.samples or 1.0)), "number of periods")
-        yield Measurement(name, value, "A", f"{what}, with the {with_} parameters", basis, uncertain)
+        text = f"{what}, with the {with_} parameters"
+        yield Measurement(name, value, "A", text, basis, uncertain, sensitivities=NO_SENSORS)
 
 
 def _correlations(found: FluxBalance, basis: Basis) -> Table:
@@ -401,6 +411,12 @@ def _correlations(found: FluxBalance, basis: Basis) -> Table:
 
 
 _ANGLES_AND_GAINS: Final = frozenset({"encoder_offset", "current_gain_a", "current_gain_b", "current_gain_c"})
+_BY_LINK: Final = (("u_dc", 1.0),)
+_PER_CURRENT: Final = (*_BY_LINK, *((phase, -1.0 / 3.0) for phase in PHASES))
+_SHARES: Final = {  # voltages scale with that of the dc link; a third of each phase's gain is common to all
+    **dict.fromkeys(("psi_r", "dead_time_voltage"), _BY_LINK),
+    **dict.fromkeys(("R_s", "L_d", "L_q"), _PER_CURRENT),
+}
 _GAIN = "gain of the current sensor of phase {}, over the mean of the three, minus 1"
 _DEFINITIONS: Final = {
     "R_s": "resistance of a phase, with that of its devices, that balances the flux from tick to tick",

@@ -23,7 +23,8 @@ from benchtool.analysis.quantisation import counting_step
 from benchtool.block import Block
 from benchtool.profile import Motor
 
-NEEDED: Final = ("i_a", "i_b", "i_c", "theta_m", "u_alpha", "u_beta", "u_dc")
+PHASES: Final = ("i_a", "i_b", "i_c")
+NEEDED: Final = (*PHASES, "theta_m", "u_alpha", "u_beta", "u_dc")
 """Channels of a flux balance."""
 
 _SEED = 18_940_101
@@ -87,7 +88,7 @@ class Ticks:
     def of(cls, block: Block, pole_pairs: int, delay: int) -> Self:
         """Return the ticks of a capture of every tick, whose voltage acts `delay` ticks after its row."""
         T_s, last = block.tick_s * block.stride, len(block.data) - 1
-        currents = np.stack([block.column(name) for name in ("i_a", "i_b", "i_c")])[:, delay:]
+        currents = np.stack([block.column(name) for name in PHASES])[:, delay:]
         u_s = (block.column("u_alpha") + 1j * block.column("u_beta"))[: last - delay]
         u_dc = np.ascontiguousarray(block.column("u_dc")[: last - delay])
         theta_m = smooth_angle(np.ascontiguousarray(block.column("theta_m")))[delay:]

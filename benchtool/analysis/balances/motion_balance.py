@@ -26,12 +26,13 @@ from pydantic import Field
 
 from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.flux_balance import FluxBalance, FluxBalanceSettings, balance_of
-from benchtool.analysis.balances.flux_model import NEEDED
+from benchtool.analysis.balances.flux_model import NEEDED, PHASES
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Contribution
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -220,9 +221,19 @@ def _measurements(found: MotionBalance, basis: Basis) -> Iterator[Measurement]:
             lines.append(Contribution("current between the ticks", "B", between / speed))
         reference = "torque by the parameters of the flux balance" if told else "torque by the psi_r believed"
         uncertain = found.solution.uncertainty(name, *lines)
-        yield Measurement(full, value, unit, definition, replace(basis, reference=reference), uncertain)
+        yield Measurement(
+            full,
+            value,
+            unit,
+            definition,
+            replace(basis, reference=reference),
+            uncertain,
+            sensitivities=Sensitivities.of_gains(value, _SHARES),
+        )
 
 
+# voltages scale with that of the dc link; a third of each phase's gain is common to all
+_SHARES: Final = (("u_dc", 1.0), *((phase, 1.0 / 3.0) for phase in PHASES))
 _DEFINITIONS: Final = {
     "J": "moment of inertia that balances torque and acceleration",
     "friction": "viscous friction: torque per mechanical speed",

@@ -27,6 +27,7 @@ from benchtool.analysis.dynamics.gain_at_rest import gain_at_rest
 from benchtool.analysis.dynamics.margins import margins
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.sensitivity import NO_SENSORS, SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
@@ -183,8 +184,10 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
     text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
     coherence = found.coherence[inside]
-    yield Measurement("coherence_min", float(np.min(coherence)), "", f"least {text}", basis)
-    yield Measurement("coherence_median", float(np.median(coherence)), "", f"median {text}", basis)
+    least = float(np.min(coherence))
+    yield Measurement("coherence_min", least, "", f"least {text}", basis, sensitivities=NO_SENSORS)
+    median = float(np.median(coherence))
+    yield Measurement("coherence_median", median, "", f"median {text}", basis, sensitivities=NO_SENSORS)
     if not unit:
         yield from margins(frequency_Hz, found.response[trusted], error, basis)
 
@@ -218,7 +221,10 @@ def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis:
     if reason:
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
     peak_dB, standard_dB = above_zero(peak_dB, standard_dB)
-    return Measurement("resonance_peak", peak_dB, "dB", text, basis, Uncertainty(standard_dB, _STATISTICAL))
+    uncertain = Uncertainty(standard_dB, _STATISTICAL)
+    return Measurement(
+        "resonance_peak", peak_dB, "dB", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+    )
 
 
 def _greatest_by_chance(count: int) -> float:
@@ -242,7 +248,9 @@ def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, 
     # the line is what is defined, however the phase bends about it
     spread = math.sqrt(float(np.sum((across * error[inside]) ** 2))) / float(np.sum(across**2))
     uncertain = Uncertainty(spread, f"{_STATISTICAL}, of the phase")
-    return Measurement(name, -float(slope), "s", text, basis, uncertain)
+    return Measurement(
+        name, -float(slope), "s", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+    )
 
 
 def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.dynamics.estimated_response import NEPER_DB, decibels
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
@@ -91,7 +92,9 @@ def _of_open_loop(
         unit, text = _OF_OPEN_LOOP["phase_margin"]
         uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
         margin = math.remainder(180.0 + math.degrees(angle), 360.0)
-        yield Measurement("phase_margin", margin, unit, text, basis, uncertain)
+        yield Measurement(
+            "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+        )
 
     unit, text = _OF_OPEN_LOOP["gain_margin"]
     turned = phase.falls_to(-math.pi)
@@ -102,7 +105,9 @@ def _of_open_loop(
         level_dB, level_error = gain.at(turned.frequency_Hz)
         along = gain.slope_at(turned.frequency_Hz) * turned.standard_Hz
         uncertain = Uncertainty(math.hypot(level_error, along), _SOURCE)
-        yield Measurement("gain_margin", -level_dB, unit, text, basis, uncertain)
+        yield Measurement(
+            "gain_margin", -level_dB, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+        )
 
 
 def _sensitivity_peak(

@@ -28,6 +28,7 @@ from benchtool.analysis.dynamics.step_drift import find_drift, wanders
 from benchtool.analysis.dynamics.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import means_of_parts
+from benchtool.analysis.sensitivity import MEASURED_AGAIN, SIGNED_AND_MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.torque import TORQUE
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.window import Window
@@ -325,7 +326,8 @@ def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float
         if found is None:
             yield Measurement.undefined(name, step.unit, text, reason, step.basis)
         else:
-            yield _value(step, name, text, float(of(found.values)), uncertain(found))
+            value = float(of(found.values))
+            yield _value(step, name, text, value, uncertain(found), SIGNED_AND_MEASURED_AGAIN)
 
 
 def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: float) -> Iterator[Measurement]:
@@ -342,7 +344,8 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
     found = _arrived(step, error, course, settled, band)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
-    yield _value(step, "tracking_error_mean", f"mean of {window}", mean, found.of_mean())
+    text = f"mean of {window}"
+    yield _value(step, "tracking_error_mean", text, mean, found.of_mean(), SIGNED_AND_MEASURED_AGAIN)
     yield _tracking_rms(step, found, window)
     greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"
@@ -380,9 +383,14 @@ def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, ban
 
 
 def _value(
-    step: Step, name: str, definition: str, value: float, uncertain: Uncertainty | None
+    step: Step,
+    name: str,
+    definition: str,
+    value: float,
+    uncertain: Uncertainty | None,
+    sensitivities: Sensitivities = MEASURED_AGAIN,
 ) -> Measurement:
-    return Measurement(name, value, step.unit, definition, step.basis, uncertain)
+    return Measurement(name, value, step.unit, definition, step.basis, uncertain, sensitivities=sensitivities)
 
 
 class StepSettings(Section):

@@ -29,6 +29,7 @@ from benchtool.analysis.orders.order_spectrum import (
     revolutions_of,
 )
 from benchtool.analysis.periods import track_angle
+from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -178,7 +179,7 @@ def describe_orders(
         ),
         tuple(_rows(spectrum)),
         spectrum.basis,
-        lines=(LineColumn("amplitude", "uncertainty", f"{name}_order_{{order}}"),),
+        lines=(LineColumn("amplitude", "uncertainty", spectrum.signal),),
     )
     return Orders(tuple(measurements), (table,), spectrum, pole_pairs, slots)
 
@@ -213,9 +214,11 @@ def _largest(
         return
     order = standing_out[0]
     basis = replace(_at(spectrum, order), order=order)
-    yield Measurement(number, float(order), "", text, basis)
+    unmoved = Sensitivities.unmoved(spectrum.signal)
+    yield Measurement(number, float(order), "", text, basis, sensitivities=unmoved)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain)
+    own = Sensitivities.of_line(spectrum.signal, value)
+    yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain, sensitivities=own)
 
 
 def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
@@ -247,7 +250,8 @@ def _amplitude(
         )
         return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    return Measurement(name, value, spectrum.unit, text, _at(spectrum, order), uncertain)
+    own = Sensitivities.of_line(spectrum.signal, value)
+    return Measurement(name, value, spectrum.unit, text, _at(spectrum, order), uncertain, sensitivities=own)
 
 
 def _at(spectrum: OrderSpectrum, order: int) -> Basis:

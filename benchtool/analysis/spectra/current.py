@@ -14,6 +14,7 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.quantisation import level_of, resolution
+from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.distortions import (
     Beside,
     distortions,
@@ -137,17 +138,19 @@ def current_spectrum(
         beside = None if of_lines is None else Beside(cleaned, of_lines, *scatter)
     found = (
         frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
-        *_refused(_lines(spectrum, clean, errors, of_steps, unit, lines), sound.of_amplitudes),
-        *_refused(distortions(clean, errors, lines, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(with_noise(spectrum, basis), sound.of_ratios),
-        *_refused(group_distortions(coherent, clean, errors, groups, basis, beside), sound.of_ratios),
-        *_refused(_noise(floor, unit, basis), sound.of_amplitudes),
+        *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
+        *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
+        *_refused(with_noise(spectrum, basis, channel), sound.of_ratios),
+        *_refused(
+            group_distortions(coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
+        ),
+        *_refused(_noise(floor, spectrum.fundamental_Hz, unit, channel, basis), sound.of_amplitudes),
     )
     tables = [
         harmonic_table(
             clean,
             "current_harmonics",
-            "current_harmonic_{order}",
+            channel,
             unit,
             replace(lines, harmonics=highest),
             errors=errors,
@@ -211,6 +214,7 @@ def _lines(
     errors: LineErrors,
     of_steps: float,
     unit: str,
+    channel: str,
     basis: Basis,
 ) -> Iterator[Measurement]:
     """Yield the fundamental and the largest low line; `of_steps` is how large one by a converter may be."""
@@ -220,7 +224,16 @@ def _lines(
     own = combined(errors.budget(0), source)
     why = "" if own is not None else errors.unknown
     line = replace(basis, frequency_Hz=f_1)
-    yield Measurement("current_fundamental", clean.fundamental, unit, text, line, own, uncertainty_reason=why)
+    yield Measurement(
+        "current_fundamental",
+        clean.fundamental,
+        unit,
+        text,
+        line,
+        own,
+        uncertainty_reason=why,
+        sensitivities=Sensitivities.of_line(channel, clean.fundamental),
+    )
 
     largest = largest_low_component(spectrum, _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
@@ -235,7 +248,14 @@ def _lines(
     uncertain = _of_largest(spectrum, largest, errors, of_steps)
     why = "" if uncertain is not None else f"the noise around {largest.frequency_Hz:.4g} Hz is not known"
     yield Measurement(
-        "current_max_low_harmonic", largest.amplitude, unit, text, low, uncertain, uncertainty_reason=why
+        "current_max_low_harmonic",
+        largest.amplitude,
+        unit,
+        text,
+        low,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=Sensitivities((Sensitivity(channel, largest.amplitude),), Largest(f_1)),
     )
 
 
@@ -268,7 +288,9 @@ def _beside(errors: LineErrors, index: int) -> float:
     return math.hypot(float(errors.phase[index]), float(errors.resolution[index]))
 
 
-def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measurement]:
+def _noise(
+    floor: NoiseFloor | None, fundamental_Hz: float, unit: str, channel: str, basis: Basis
+) -> Iterator[Measurement]:
     which = "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh)"
     names = (
         ("current_noise_floor", unit, f"rms over the peak amplitudes of the {which}"),
@@ -281,7 +303,13 @@ def _noise(floor: NoiseFloor | None, unit: str, basis: Basis) -> Iterator[Measur
         value = floor.amplitude if name == "current_noise_floor" else floor.density
         source = f"medians of {floor.bins} bins in bands"
         yield Measurement(
-            name, value, of, text, basis, Uncertainty(value * floor.relative_error, source, floor.dof)
+            name,
+            value,
+            of,
+            text,
+            basis,
+            Uncertainty(value * floor.relative_error, source, floor.dof),
+            sensitivities=Sensitivities((Sensitivity(channel, value),), Noise(fundamental_Hz)),
         )
 
 

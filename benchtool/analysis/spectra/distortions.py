@@ -11,6 +11,7 @@ import numpy as np
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
     PERIODS_PER_WINDOW,
@@ -49,6 +50,7 @@ def distortions(
     spectrum: CoherentSpectrum,
     errors: LineErrors,
     basis: Basis,
+    channel: str,
     current_rated_A_rms: float | None,
     unit: str,
 ) -> Iterator[Measurement]:
@@ -60,6 +62,7 @@ def distortions(
     if current_rated_A_rms is not None:
         rated = f"rated current of {current_rated_A_rms:g} {unit} rms, a reference of benchtool's own"
         bases.append(("current_tdd", Reference.STATED, math.sqrt(2.0) * current_rated_A_rms, rated))
+    of_ratio = _of_ratio(channel, spectrum)
     for name, reference, stated, base in bases:
         distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
         last = distortion.highest_harmonic
@@ -78,12 +81,30 @@ def distortions(
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
         uncertain = _with_bias(distortion, source)
         value, why = 100.0 * distortion.ratio, errors.unknown if uncertain is None else ""
-        yield Measurement(name, value, "%", text + at_most, to_last, uncertain, uncertainty_reason=why)
+        own = of_ratio
+        if reference is Reference.STATED:
+            own = Sensitivities((Sensitivity(channel, value),), Harmonics(spectrum.fundamental_Hz))
+        yield Measurement(
+            name,
+            value,
+            "%",
+            text + at_most,
+            to_last,
+            uncertain,
+            uncertainty_reason=why,
+            sensitivities=own,
+        )
         if reference is Reference.FUNDAMENTAL:
-            yield _corrected(distortion, errors, last, to_last)
+            yield _corrected(distortion, errors, last, to_last, of_ratio)
 
 
-def _corrected(distortion: Distortion, errors: LineErrors, last: int, basis: Basis) -> Measurement:
+def _of_ratio(channel: str, spectrum: CoherentSpectrum) -> Sensitivities:
+    return Sensitivities((Sensitivity(channel),), Harmonics(spectrum.fundamental_Hz, as_ratio=True))
+
+
+def _corrected(
+    distortion: Distortion, errors: LineErrors, last: int, basis: Basis, sensitivities: Sensitivities
+) -> Measurement:
     name = "current_thd_f_noise_corrected"
     text = (
         f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
@@ -95,10 +116,12 @@ def _corrected(distortion: Distortion, errors: LineErrors, last: int, basis: Bas
     source = "scatter of the noise in the harmonics, and of the floor that is taken out"
     uncertain = _percent(distortion.corrected_budget, source)
     value, why = 100.0 * distortion.corrected, errors.unknown if uncertain is None else ""
-    return Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)
+    return Measurement(
+        name, value, "%", text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
+    )
 
 
-def with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement]:
+def with_noise(spectrum: CoherentSpectrum, basis: Basis, channel: str) -> Iterator[Measurement]:
     """Yield THD_F with the noise in it."""
     value = 100.0 * distortion_and_noise(spectrum)
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
@@ -106,7 +129,8 @@ def with_noise(spectrum: CoherentSpectrum, basis: Basis) -> Iterator[Measurement
     if math.isnan(value):
         yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
     else:
-        yield Measurement("current_thd_f_plus_noise", value, "%", text, to_end)
+        own = _of_ratio(channel, spectrum)
+        yield Measurement("current_thd_f_plus_noise", value, "%", text, to_end, sensitivities=own)
 
 
 def group_distortions(
@@ -115,6 +139,7 @@ def group_distortions(
     errors: LineErrors,
     groups: HarmonicGroups | None,
     basis: Basis,
+    channel: str,
     beside: Beside | None = None,
 ) -> Iterator[Measurement]:
     """Yield the distortions by groups and by subgroups; undefined without `groups`. Where there is something
@@ -167,7 +192,16 @@ def group_distortions(
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter
             why = errors.unknown if uncertain is None else ""
-            yield Measurement(name, 100.0 * value.ratio, "%", text, own, uncertain, uncertainty_reason=why)
+            yield Measurement(
+                name,
+                100.0 * value.ratio,
+                "%",
+                text,
+                own,
+                uncertain,
+                uncertainty_reason=why,
+                sensitivities=_of_ratio(channel, spectrum),
+            )
 
 
 def _relative(distortion: Distortion) -> float:

@@ -16,6 +16,7 @@ from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
 from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
 from benchtool.analysis.repeatability import wander_of_difference
 from benchtool.analysis.scatter import MeanError, error_of_series
+from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.spectra.continuation import continuation
 from benchtool.analysis.spectra.noise import (
     aliased_quantisation,
@@ -135,7 +136,14 @@ def frequency(
     value_Hz = per_rad_Hz * turned_rad
     whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
     return Measurement(
-        name, value_Hz, "Hz", text, whole, uncertain, repeatability=_between_records(spectrum, track, seen)
+        name,
+        value_Hz,
+        "Hz",
+        text,
+        whole,
+        uncertain,
+        repeatability=_between_records(spectrum, track, seen),
+        sensitivities=NO_SENSORS,
     )
 
 

@@ -407,16 +407,13 @@ def distortion_and_noise(spectrum: CoherentSpectrum) -> float:
 def harmonic_table(
     spectrum: CoherentSpectrum,
     name: str,
-    measurement: str,
+    channel: str,
     unit: str,
     basis: Basis,
     highest_harmonic: int = HIGHEST_HARMONIC,
     errors: LineErrors | None = None,
 ) -> Table:
-    """Return harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty.
-
-    Each amplitude is called `measurement` as a number by itself, with its order for `{order}`.
-    """
+    """Return harmonics 1 to `highest_harmonic` or the end of the band, one a row, with their uncertainty."""
     amplitude = harmonics(spectrum)[:highest_harmonic]
     order = np.arange(1, len(amplitude) + 1)
     percent = 100.0 * amplitude / amplitude[0] if amplitude[0] > 0.0 else np.full(len(amplitude), math.nan)
@@ -444,7 +441,7 @@ def harmonic_table(
         ),
         tuple(tuple(float(value) for value in row) for row in zip(*columns, strict=True)),
         basis,
-        lines=(LineColumn("amplitude", "uncertainty", measurement, "frequency"),),
+        lines=(LineColumn("amplitude", "uncertainty", channel, "frequency"),),
     )
 
 

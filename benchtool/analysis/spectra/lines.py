@@ -14,6 +14,7 @@ from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quant
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.repeatability import wander_of_line
+from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
@@ -86,7 +87,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         undefined = (
             Measurement.undefined(f"{name}_line_{key}", of, text, reason, basis) for key, of, text in texts
         )
-        return SpectralLines(tuple(undefined), (_table(name, (), unit, what, basis),))
+        return SpectralLines(tuple(undefined), (_table(name, (), channel, unit, what, basis),))
     listed = tuple(
         (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
         for each in rows[:_LISTED]
@@ -94,11 +95,18 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     reason = rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
+    moved = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
     frequency, amplitude = (
         Measurement(
-            f"{name}_line_{key}", listed[0][at], of, text, of_line, Uncertainty(listed[0][2 + at], source)
+            f"{name}_line_{key}",
+            listed[0][at],
+            of,
+            text,
+            of_line,
+            Uncertainty(listed[0][2 + at], source),
+            sensitivities=sensed,
         )
-        for at, (key, of, text) in enumerate(texts)
+        for at, ((key, of, text), sensed) in enumerate(zip(texts, moved, strict=True))
     )
     frequency = replace(
         frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
@@ -110,7 +118,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=unsure)
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
-    return SpectralLines((frequency, amplitude), (_table(name, listed, unit, what, basis),))
+    return SpectralLines((frequency, amplitude), (_table(name, listed, channel, unit, what, basis),))
 
 
 def sinusoids_of(samples: Floats) -> list[Line]:
@@ -203,7 +211,9 @@ def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
     return Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise, far)
 
 
-def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str, basis: Basis) -> Table:
+def _table(
+    name: str, rows: tuple[tuple[float, ...], ...], channel: str, unit: str, what: str, basis: Basis
+) -> Table:
     return Table(
         f"{name}_lines",
         f"the largest sinusoids of {what}, means over the record, with standard uncertainties from the noise "
@@ -215,8 +225,10 @@ def _table(name: str, rows: tuple[tuple[float, ...], ...], unit: str, what: str,
         rows,
         basis,
         lines=(
-            LineColumn("amplitude", "amplitude_uncertainty", f"{name}_line_amplitude", "frequency_Hz"),
-            LineColumn("frequency_Hz", "frequency_uncertainty_Hz", f"{name}_line_frequency", "frequency_Hz"),
+            LineColumn("amplitude", "amplitude_uncertainty", channel, "frequency_Hz"),
+            LineColumn(
+                "frequency_Hz", "frequency_uncertainty_Hz", channel, "frequency_Hz", is_amplitude=False
+            ),
         ),
     )
 

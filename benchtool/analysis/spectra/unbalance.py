@@ -22,6 +22,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
+from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.noise import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import (
@@ -40,6 +41,11 @@ Phasors = NDArray[np.complex128]
 _BY_CHANCE = 0.1
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
+_SEQUENCES: Final[tuple[PhaseSequence, ...]] = ("positive", "negative", "zero")
+_UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
+    (0, "current_unbalance_percent", "negative"),
+    (1, "current_unbalance_zero_percent", "zero"),
+)
 _SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
 
 
@@ -200,9 +206,16 @@ def _numbers(
     basis: Basis,
     reason: str,
 ) -> Iterator[Measurement]:
+    each_third = sum(component.magnitude for component in components) / 3.0
+
+    def sensed(which: PhaseSequence, scale: float, *, in_percent: bool = False) -> Sensitivities:
+        """Each phase contributes a third to each component, at any angle."""
+        phases = tuple(Sensitivity(channel, scale * each_third) for channel in channels)
+        return Sensitivities(phases, Component(which, positive.magnitude, in_percent))
+
     of = f"sequence component of the fundamental of {', '.join(channels)} (Fortescue), peak"
     positive = components[0]
-    for component, name in zip(components, ("positive", "negative", "zero"), strict=True):
+    for component, name in zip(components, _SEQUENCES, strict=True):
         text = f"magnitude of the {name}-{of}"
         if reason:
             yield Measurement.undefined(f"current_sequence_{name}", unit, text, reason, basis)
@@ -216,24 +229,31 @@ def _numbers(
             basis,
             uncertain,
             uncertainty_reason=_TOO_SLOW if uncertain is None else "",
+            sensitivities=sensed(name, 1.0),
         )
     own = positive.uncertainty
     lost = positive.magnitude <= 0.0 or (own is not None and positive.magnitude < _STANDS_OUT * own.standard)
     if lost and not reason:
         reason = "the positive sequence does not stand out of the noise"
-    for index, name, short in (
-        (0, "current_unbalance_percent", "negative"),
-        (1, "current_unbalance_zero_percent", "zero"),
-    ):
+    for index, number, short in _UNBALANCES:
         text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30:2015, 5.7.1"
         if reason:
-            yield Measurement.undefined(name, "%", text, reason, basis)
+            yield Measurement.undefined(number, "%", text, reason, basis)
             continue
         scale, ratio = 100.0 / positive.magnitude, ratios[index]
         uncertain = combined((each.scaled(scale) for each in ratio.budget), _SOURCE)
         why = _TOO_SLOW if uncertain is None else ""
         value = scale * ratio.magnitude
-        yield Measurement(name, value, "%", text, basis, uncertain, uncertainty_reason=why)
+        yield Measurement(
+            number,
+            value,
+            "%",
+            text,
+            basis,
+            uncertain,
+            uncertainty_reason=why,
+            sensitivities=sensed(short, scale, in_percent=True),
+        )
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:

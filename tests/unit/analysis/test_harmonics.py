@@ -172,8 +172,6 @@ def test_the_table_of_lines_that_are_none_holds_zero() -> None:
     track = track_angle(phase, 1)
     for _ in range(30):
         current = np.cos(phase) + 1e-2 * random.standard_normal(len(phase))
-        table = harmonic_table(
-            coherent_spectrum(current, RATE_HZ, track), "lines", "line_{order}", "A", Basis()
-        )
+        table = harmonic_table(coherent_spectrum(current, RATE_HZ, track), "lines", "i_a", "A", Basis())
         held += [row[2] <= 2.0 * row[5] for row in table.rows[1:]]
     assert 0.93 < np.mean(held) < 0.98

@@ -49,7 +49,8 @@ def test_the_headline_contains_gain_and_offset_and_the_budget_names_sensor_and_c
 
 
 def test_a_half_width_grows_as_a_standard_uncertainty_does() -> None:
-    ripple = Measurement("torque_ripple_pp", 1.0, "Nm", "", uncertainty=Uncertainty(0.1, "x", half_width=0.3))
+    plain = reading("torque_ripple_pp", 1.0)
+    ripple = replace(plain, uncertainty=Uncertainty(0.1, "x", half_width=0.3))
     (found,) = applied(Bench(channels={"torque": sensor_of(gain_U_percent=20.0)}), ripple)
     assert uncertainty_of(found).expanded == pytest.approx(math.hypot(0.3, 1.959964 * 0.1))
 

@@ -10,11 +10,9 @@ from functools import cache
 import pytest
 
 from benchtool.analysis import Measurement
-from benchtool.analysis.balances.flux_balance import FLUX_BALANCE
-from benchtool.analysis.balances.motion_balance import MOTION_BALANCE
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.instruments import Instruments, Perturbed
-from benchtool.analysis.sensitivity import DECLARED, Found, declared
+from benchtool.analysis.sensitivity import Component
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, ReferenceClock
@@ -24,7 +22,7 @@ STEADY = catalogue().steady
 CHANNELS = sorted({name for each in STEADY for name in each.channels} - {"theta_m", "switching_count"})
 STEP = 1e-6
 
-Values = Mapping[str, float]
+Numbers = Mapping[str, Measurement]
 
 
 @cache
@@ -34,26 +32,24 @@ def _raised() -> tuple[Block, Block]:
     return block, Perturbed("torque_transducer", 0.1, 0.2).of(transducer)
 
 
-def _values(block: Block, transducer: Block, of: str = "") -> Values:
+def _values(block: Block, transducer: Block, of: str = "") -> Numbers:
     """All measurements, or those of the analyses that read one channel."""
     window = Window.of(block, EXAMPLE_MOTOR, transducer)
-    found: dict[str, float] = {}
+    found: dict[str, Measurement] = {}
     for analysis in STEADY:
         reads = (*analysis.channels, *(("torque_transducer",) if analysis.transducer else ()))
         if not of or of in reads:
-            found |= {
-                each.name: each.value for each in analysis.measure(window, analysis.settings()).measurements
-            }
+            found |= {each.name: each for each in analysis.measure(window, analysis.settings()).measurements}
     return found
 
 
 @cache
-def _base() -> Values:
+def _base() -> Numbers:
     return _values(*_raised())
 
 
 @cache
-def _altered(altered: Perturbed) -> Values:
+def _altered(altered: Perturbed) -> Numbers:
     block, transducer = _raised()
     again = _values(altered.of(block), altered.of(transducer), altered.channel)
     return {**_base(), **again}
@@ -65,16 +61,13 @@ def _perturbed(channel: str, error: str, by: float) -> Perturbed:
 
 def _derivative(name: str, channel: str, error: str) -> float:
     up, down = (_altered(_perturbed(channel, error, step)) for step in (STEP, -STEP))
-    return (up[name] - down[name]) / (2.0 * STEP)
+    return (up[name].value - down[name].value) / (2.0 * STEP)
 
 
-def _stated(name: str, values: Values, channel: str, error: str) -> float:
-    of = declared(name)
-    assert of is not None
-    found = Found(name, values[name], values)
+def _stated(of: Measurement, channel: str, error: str) -> float:
     return sum(
-        (each.gain if error == "gain" else each.offset)(found)
-        for each in of.sensitivities
+        each.gain if error == "gain" else each.offset
+        for each in of.sensitivities.channels or ()
         if each.channel == channel
     )
 
@@ -82,39 +75,37 @@ def _stated(name: str, values: Values, channel: str, error: str) -> float:
 @pytest.mark.parametrize("error", ["gain", "offset"])
 @pytest.mark.parametrize("channel", [*CHANNELS, "torque_transducer"])
 def test_each_declaration_is_the_derivative_of_its_measurement(channel: str, error: str) -> None:
-    """Of each name of the catalogue by each channel, those that are not declared excepted."""
-    values = _base()
+    """Of each measurement of a steady state by each channel, those that are not declared excepted."""
     compared = 0
-    for name, value in values.items():
-        if declared(name) is None or not math.isfinite(value):
+    for name, each in _base().items():
+        if not each.sensitivities.is_declared or not math.isfinite(each.value):
             continue
-        of = declared(name)
-        if of is not None and of.bound:
-            up = _altered(_perturbed(channel, error, 0.01))[name] - value
-            stated = _stated(name, values, channel, error)
+        stated = _stated(each, channel, error)
+        if isinstance(each.sensitivities.content, Component):
+            up = _altered(_perturbed(channel, error, 0.01))[name].value - each.value
             assert abs(up) <= 0.0101 * stated + 1e-12, name
             # and no more than it takes: near zero all of it moves a magnitude
             assert abs(up) >= 0.0095 * stated, name
             continue
-        derivative = _derivative(name, channel, error)
-        assert derivative == pytest.approx(
-            _stated(name, values, channel, error), rel=2e-3, abs=2e-4 * max(1e-3, abs(value))
+        assert _derivative(name, channel, error) == pytest.approx(
+            stated, rel=2e-3, abs=2e-4 * max(1e-3, abs(each.value))
         ), name
         compared += 1
     assert compared > 30
 
 
-def test_each_declaration_is_of_a_measurement_that_there_is() -> None:
-    """Those of a table's current and speed are not of a steady state, and looked at with tables."""
-    names = [*_base(), *(name for analysis in (FLUX_BALANCE, MOTION_BALANCE) for name in analysis.names)]
-    for each in DECLARED:
-        if not each.pattern.startswith(("current_", "speed_")) and not each.pattern.endswith("_reached"):
-            assert any(declared(name) is each for name in names), each.pattern
-
-
 def test_only_these_are_measured_again() -> None:
     """A new analysis may be; none that has declared its sensitivities falls back to it."""
-    again = {analysis.name for analysis in STEADY if any(declared(name) is None for name in analysis.names)}
+    found = _base()
+    declared = {
+        analysis.name: {
+            found[name].sensitivities.is_declared
+            for name in analysis.names
+            if name in found and math.isfinite(found[name].value)
+        }
+        for analysis in STEADY
+    }
+    again = {name for name, each in declared.items() if False in each}
     known = {"flux_trajectory", "switching_states", "torque_residual", "transducer_torque_residual"}
     assert known <= again
     assert again.isdisjoint(
@@ -123,8 +114,7 @@ def test_only_these_are_measured_again() -> None:
             *("switching_frequency", "torque_orders", "speed_orders", "torque_spectrum", "current_unbalance"),
         }
     )
-    for analysis in STEADY:
-        assert len({declared(name) is None for name in analysis.names}) <= 1, analysis.title
+    assert all(len(each) <= 1 for each in declared.values())
 
 
 def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:
@@ -146,7 +136,7 @@ def test_the_clock_moves_times_and_frequencies_by_their_unit() -> None:
     up, down = ({each.name: each.value for each in slower(by)} for by in (STEP, -STEP))
     moved = 0
     for each in found:
-        if declared(each.name) is None or each.uncertainty is None:
+        if not each.sensitivities.is_declared or each.uncertainty is None:
             continue
         derivative = (up[each.name] - down[each.name]) / (2.0 * STEP)
         after = by_name[each.name].uncertainty

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis import Measurement, Sensitivities, Uncertainty
 from benchtool.analysis.instruments import UNSTATED, Instruments
 from benchtool.cli import app
 from benchtool.errors import AnalysisError
@@ -81,6 +81,11 @@ def _U(result: Assessment, name: str) -> float:
     uncertainty = result.found[name].uncertainty
     assert uncertainty is not None
     return uncertainty.expanded
+
+
+def _mean(value: float, uncertainty: Uncertainty) -> Measurement:
+    sensed = Sensitivities.of_mean("torque", value)
+    return Measurement("torque_mean", value, "Nm", "", uncertainty=uncertainty, sensitivities=sensed)
 
 
 def test_a_recording_is_measured_with_the_sensors_of_the_profile_that_it_carries(tmp_path: Path) -> None:
@@ -167,9 +172,7 @@ def test_the_mean_of_repetitions_shares_the_sensors() -> None:
     )
     values = (0.999, 1.001, 1.002, 0.998)
     measured = {
-        f"{number}": Instruments(bench).applied(
-            [Measurement("torque_mean", value, "Nm", "", uncertainty=Uncertainty(1e-3, "scatter", 9.0))]
-        )
+        f"{number}": Instruments(bench).applied([_mean(value, Uncertainty(1e-3, "scatter", 9.0))])
         for number, value in enumerate(values, start=1)
     }
     ((_, (together,)),) = over_repetitions(plan, _named(plan, measured)).items()
@@ -255,7 +258,7 @@ def test_a_clock_that_is_overdue_is_named() -> None:
 
 def test_a_limit_is_judged_with_what_the_sensors_add() -> None:
     bench = Bench(channels={"torque": Sensor(gain_U_percent=2.0)})
-    plain = Measurement("torque_mean", 1.0, "Nm", "", uncertainty=Uncertainty(1e-4, "scatter"))
+    plain = _mean(1.0, Uncertainty(1e-4, "scatter"))
     (stated,) = Instruments(bench).applied([plain])
     limit = Limit(max=1.005, margin="U")
     assert limit.judge(plain.value, plain.uncertainty) is Verdict.PASS

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings, strategies as st
 
+from benchtool.analysis import Measurement
 from benchtool.errors import BenchError
 from benchtool.profile import Bench, ReferenceClock, Sensor
 from benchtool.tables import TableQuestion, analyze_table
@@ -64,6 +65,25 @@ def test_any_bytes_give_an_answer_or_an_error_of_the_tree(tmp_path: Path, conten
     path = tmp_path / "table.csv"
     path.write_bytes(content)
     answer_or_error(path)
+
+
+def test_every_number_of_a_table_declares_its_sensitivities_to_its_own_columns(tmp_path: Path) -> None:
+    """A table is not measured again: what is not declared would leave its sensors out."""
+    time_s = np.arange(4_000) * 1e-3
+    angle, noise = 2 * np.pi * 3.0 * time_s, 1e-3 * np.random.default_rng(1).standard_normal((3, 4_000))
+    current, torque = np.cos(4 * angle) + noise[0], 1.0 + 0.1 * np.cos(6 * angle) + noise[1]
+    rows = np.stack([time_s, current, torque, 20.0 + np.cos(2 * angle) + noise[2], angle], axis=1)
+    path = tmp_path / "table.csv"
+    path.write_text("t,I,T,n,a\n" + "\n".join(",".join(map(repr, map(float, row))) for row in rows))
+    columns = {"current": "I", "torque": "T", "speed": "n"}
+    found: dict[str, Measurement] = {}
+    for more in ({"angle": "a"}, {}):
+        question = TableQuestion(path, "t", columns | more, pole_pairs=4, torque_rated_Nm=2.0)
+        found |= {each.name: each for each in analyze_table(question).measurements}
+    assert len(found) > 30
+    assert [name for name, each in found.items() if not each.sensitivities.is_declared] == []
+    of = {part.channel for each in found.values() for part in each.sensitivities.channels or ()}
+    assert of == {"I", "T", "n"}
 
 
 @pytest.mark.parametrize("scale", [1e-30, 1e-9, 1e9, 1e30])
