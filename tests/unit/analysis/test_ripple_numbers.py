@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -104,19 +105,24 @@ def test_one_spike_moves_the_peak_to_peak_and_not_the_percentiles() -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["torque_mean", "torque_ripple_rms", "torque_ripple_percentile_range"])
-def test_the_uncertainty_is_what_repeated_records_scatter_by(name: str) -> None:
+@cache
+def _repeated_records() -> tuple[dict[str, Measurement], ...]:
+    """Numbers of 150 records in which every period has a mean and a ripple of its own, and noise."""
     generator = np.random.default_rng(5)
     theta_e = angle(PERIODS * PER_PERIOD)
     phase = track(len(theta_e))
-    measured = []
+    found = []
     for _ in range(150):
-        # every period has a mean and a ripple of its own, and noise
         level = np.repeat(generator.normal(0.65, 0.01, PERIODS), PER_PERIOD)
         size = np.repeat(generator.normal(0.03, 0.003, PERIODS), PER_PERIOD)
         noise = generator.normal(0.0, 0.004, len(theta_e))
-        measured.append(numbers(level + size * np.cos(6 * theta_e) + noise, phase)[name])
+        found.append(numbers(level + size * np.cos(6 * theta_e) + noise, phase))
+    return tuple(found)
 
+
+@pytest.mark.parametrize("name", ["torque_mean", "torque_ripple_rms", "torque_ripple_percentile_range"])
+def test_the_uncertainty_is_what_repeated_records_scatter_by(name: str) -> None:
+    measured = [each[name] for each in _repeated_records()]
     values = np.array([each.value for each in measured])
     claimed = np.array([each.uncertainty.standard for each in measured if each.uncertainty is not None])
     assert len(claimed) == len(values)
