@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular, toeplitz
 
 from benchtool.analysis.dynamics.smoothing import Noise
 
@@ -84,23 +85,24 @@ def _fitted(samples: Floats, noise: Noise) -> Corner | None:
     known = _significant(noise.autocovariance)
     lags = min(count, len(known))
     covariance[:lags] = known[:lags]
-    lags_apart = np.abs(np.arange(count)[:, np.newaxis] - np.arange(count))
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance[lags_apart] + 1e-9 * covariance[0] * np.eye(count)))
-    white, rows = whiten @ samples, np.arange(count) - 0.5 * (count - 1)
+    covariance[0] *= 1.0 + 1e-9
+    factor, rows = cholesky(toeplitz(covariance), lower=True), np.arange(count) - 0.5 * (count - 1)
+    white = solve_triangular(factor, samples, lower=True)
 
-    of_smooth = _left(whiten @ np.vander(rows / rows[-1], _PARAMETERS), white)
+    of_smooth = _left(solve_triangular(factor, np.vander(rows / rows[-1], _PARAMETERS), lower=True), white)
     within = _WITHIN * rows[-1]
     places = np.linspace(-within, within, _PLACES)
-    left, heights, errors = np.full(len(places), math.inf), np.zeros(len(places)), np.zeros(len(places))
-    for number, place in enumerate(places):
-        before, after = (part(rows - place, 0.0) / rows[-1] for part in (np.minimum, np.maximum))
-        courses = whiten @ np.stack([np.ones(count), before, after, before**2, after**2], axis=1)
-        inverse = np.linalg.inv(courses.T @ courses)
-        fit = inverse @ (courses.T @ white)
-        if fit[1] > 0.0 > fit[2]:
-            residual = white - courses @ fit
-            left[number] = float(residual @ residual)
-            heights[number], errors[number] = float(fit[0]), math.sqrt(inverse[0, 0])
+    late = (rows[:, np.newaxis] - places) / rows[-1]
+    before, after = np.minimum(late, 0.0), np.maximum(late, 0.0)
+    courses = np.stack([np.ones_like(late), before, after, before**2, after**2])
+    courses = solve_triangular(factor, courses.transpose(1, 2, 0).reshape(count, -1), lower=True)
+    courses = courses.reshape(count, _PLACES, -1).transpose(1, 0, 2)
+    inverse = np.linalg.inv(courses.transpose(0, 2, 1) @ courses)
+    fits = np.einsum("pij,pj->pi", inverse, white @ courses)
+    rises_and_falls = (fits[:, 1] > 0.0) & (fits[:, 2] < 0.0)
+    residuals = white - np.einsum("pni,pi->pn", courses, fits)
+    left = np.where(rises_and_falls, np.sum(residuals**2, axis=1), math.inf)
+    heights, errors = fits[:, 0], np.sqrt(inverse[:, 0, 0])
     dof = count - _PARAMETERS
     least = float(np.min(left))
     if min(of_smooth, least) > dof + _DESCRIBED * math.sqrt(2.0 * dof):
