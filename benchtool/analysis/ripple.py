@@ -96,8 +96,7 @@ def ripple_numbers(
         name: what the names of the measurements begin with, such as torque.
         rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
         track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
-            it, or with fewer than three periods, there are none but that of the peak-to-peak from a
-            resolution.
+            it, or with fewer than three periods, there are none.
         pole_pairs: electrical periods in a mechanical revolution, where the track is by its angle: what is
             slower than a period may repeat with that.
         what: words for the channel in the definitions.
@@ -315,36 +314,25 @@ def _peak_to_peak(
     channel: str,
     clipped: str = "",
 ) -> Measurement:
-    text = f"maximum minus minimum of {what}"
+    text, value = f"maximum minus minimum of {what}", whole.peak_to_peak
     if clipped:
         return Measurement.undefined(name, whole.unit, text, clipped, basis)
+    sensed = Sensitivities.of_extremes(channel, value)
+    if scatter is None or not math.isfinite(scatter.peak_to_peak):
+        # a resolution beside a scatter that is not known would be stated as if it were all
+        few = _TOO_FEW_EXTREMES if scatter is None or scatter.periods < FEWEST_EXTREMES else _GROWS
+        why = unknown or few
+        return Measurement(name, value, whole.unit, text, basis, uncertainty_reason=why, sensitivities=sensed)
     # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
     budget = [Contribution(f"resolution {step:.3g} {whole.unit}", "B", step / math.sqrt(6.0))] if step else []
-    source = f"resolution {step:.3g} {whole.unit} / sqrt(6) alone"
-    if scatter is not None and math.isfinite(scatter.peak_to_peak):
-        budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
-        source = (
-            f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
-            f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
-            f"{whole.unit}; a longer record reads more"
-        )
-    is_growing = (
-        scatter is not None and math.isnan(scatter.peak_to_peak) and scatter.periods >= FEWEST_EXTREMES
+    budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
+    source = (
+        f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
+        f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
+        f"{whole.unit}; a longer record reads more"
     )
-    if is_growing:  # beside which a resolution is nothing
-        budget = []
-    uncertain = _of_two_readings(combined(budget, source), step) if budget else None
-    why = "" if uncertain is not None else unknown or (_GROWS if is_growing else _TOO_FEW_EXTREMES)
-    return Measurement(
-        name,
-        whole.peak_to_peak,
-        whole.unit,
-        text,
-        basis,
-        uncertain,
-        uncertainty_reason=why,
-        sensitivities=Sensitivities.of_extremes(channel, whole.peak_to_peak),
-    )
+    uncertain = _of_two_readings(combined(budget, source), step)
+    return Measurement(name, value, whole.unit, text, basis, uncertain, sensitivities=sensed)
 
 
 def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:
@@ -375,12 +363,12 @@ def _percent(
     if reason:
         return Measurement.undefined(name, "%", text, reason, basis)
     scale, uncertain = 100.0 / base, None
-    if number.uncertainty is not None:
+    if number.uncertainty is not None and (base_number is None or base_number.uncertainty is not None):
         own = number.uncertainty
         budget = [own.line(number.name, scale)]
         width = None if own.half_width is None else scale * own.half_width
-        if base_number is not None and base_number.uncertainty is not None:
-            of_base = base_number.uncertainty
+        of_base = None if base_number is None else base_number.uncertainty
+        if base_number is not None and of_base is not None:
             share = scale * number.value / base
             budget.append(of_base.line(base_number.name, share))
             width = None if width is None else math.hypot(width, share * of_base.expanded)

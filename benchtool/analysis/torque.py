@@ -136,8 +136,7 @@ _NUMBERS: Final = (
         "sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest periods' maxima over the next, over that "
         "of scale 1 (Gumbel's distribution; of heavy tails Fréchet's), on a drift no less than their own s, "
         "and that of max - min where both grow together; none where the ripple grows or falls over the whole "
-        "record; and resolution / sqrt(6), in U a whole step. Without periods that alone, or none where the "
-        "resolution is less than a hundred-thousandth of the ripple",
+        "record; and resolution / sqrt(6), in U a whole step",
     ),
     (
         ("ripple_rms",),

@@ -181,17 +181,37 @@ def test_the_uncertainty_of_the_peak_to_peak_is_its_scatter_over_records() -> No
     assert "40 single electrical periods, whose mean peak-to-peak is 0.2" in found[0].uncertainty.source
 
 
-def test_without_periods_only_the_resolution_of_the_peak_to_peak_is_known() -> None:
+def test_without_periods_a_resolution_is_not_stated_as_if_it_were_all() -> None:
     samples = np.round(1.0 + 0.1 * np.cos(6 * angle(5000)), 2)
 
     measured = numbers(samples)
 
+    for name in ("torque_mean", "torque_ripple_pp", "torque_ripple_percent_of_mean"):
+        assert measured[name].uncertainty is None
+        assert "no angle, current or stated speed tells periods" in measured[name].uncertainty_reason
+
+
+def test_of_three_periods_the_extremes_do_not_tell_how_much_they_scatter() -> None:
+    count = 3 * PER_PERIOD + 1
+    noise = 0.01 * np.random.default_rng(5).standard_normal(count)
+
+    number = numbers(np.round(1.0 + 0.1 * np.cos(angle(count)) + noise, 3), track(count))["torque_ripple_pp"]
+
+    assert number.uncertainty is None
+    assert "fewer than four periods" in number.uncertainty_reason
+
+
+def test_a_percentage_of_a_mean_without_an_uncertainty_has_none() -> None:
+    count = PERIODS * PER_PERIOD + 1
+    noise = 0.01 * np.random.default_rng(7).standard_normal(count)
+    wandering = np.sin(np.pi * np.linspace(0.0, 1.0, count))
+
+    measured = numbers(10.0 + 0.1 * np.cos(angle(count)) + wandering + noise, track(count))
+
     assert measured["torque_mean"].uncertainty is None
-    uncertainty = measured["torque_ripple_pp"].uncertainty
-    assert uncertainty is not None
-    # a step over sqrt(12) for each of the two readings
-    assert uncertainty.standard == pytest.approx(0.01 / math.sqrt(6))
-    assert uncertainty.source == "resolution 0.01 Nm / sqrt(6) alone"
+    assert measured["torque_ripple_pp"].uncertainty is not None
+    assert measured["torque_ripple_percent_of_mean"].uncertainty is None
+    assert measured["torque_ripple_percent_of_mean"].uncertainty_reason
 
 
 def test_a_mean_at_one_level_is_no_better_known_than_a_tenth_of_the_step() -> None:
@@ -237,11 +257,12 @@ def test_a_percentile_range_scales_and_does_not_shift(
 
 
 def test_the_last_digit_of_a_computed_signal_is_no_resolution() -> None:
-    clean = 1.0 + 0.1 * np.cos(6 * angle(5000))
+    clean, phase = 1.0 + 0.1 * np.cos(6 * angle(5000)), track(5000)
 
     for name in ("torque_ripple_pp", "torque_ripple_percent_of_mean", "torque_ripple_percent_of_rated"):
-        assert numbers(clean)[name].uncertainty is None
-        assert numbers(np.round(clean, 3))[name].uncertainty is not None
+        of_digits, of_steps = (numbers(each, phase)[name].uncertainty for each in (clean, np.round(clean, 3)))
+        assert of_steps is not None
+        assert of_digits is None or of_digits.standard < 1e-3 * of_steps.standard
 
 
 def test_another_channel_gives_its_name_and_unit() -> None:
