@@ -38,7 +38,7 @@ from benchtool.tables import PHASES, TableAnswer, TableQuestion, analyze_table, 
 
 
 def _column(what: str) -> Any:
-    return typer.Option(metavar="COLUMN[:UNIT][*GAIN][+OFFSET]", help=what)
+    return typer.Option(metavar="COLUMN[:UNIT[*GAIN][+OFFSET]]", help=what)
 
 
 def analyze(

@@ -22,6 +22,7 @@ from benchtool.tables.units import is_listed
 _REPEATED_SHARE = 0.02
 _FINE = 10.0
 _LARGEST_SLIP = 0.1  # an induction machine's at its rated load is less
+_LARGEST_DEVIATION = 0.01  # of a stated speed: a line further away is taken for none of an order
 
 
 class RemarkKind(StrEnum):
@@ -72,19 +73,30 @@ def overdue(bench: Bench, on: date) -> Iterator[Remark]:
 
 
 def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iterator[Remark]:
-    """Yield that the current's fundamental is not at the frequency of the speed column by the pole pairs."""
-    pole_pairs = record.question.pole_pairs
+    """Yield that the current's fundamental is not at the frequency of the speed, of a column or stated, by
+    the pole pairs.
+
+    A column may be the speed of an induction machine. A stated speed may too, but every order rests on it.
+    """
+    pole_pairs, stated = record.question.pole_pairs, record.question.omega_m_rad_s
     found = [each.value for each in measurements if each.name == "fundamental_frequency"]
-    if pole_pairs is None or "speed" not in record.channels or "angle" in record.channels or not found:
+    if pole_pairs is None or "angle" in record.channels or not found:
         return
-    expected_Hz = pole_pairs * abs(float(np.mean(record.column("speed")))) / (2.0 * math.pi)
-    if abs(found[0] - expected_Hz) > _LARGEST_SLIP * expected_Hz:
+    if stated is not None:
+        omega_m_rad_s, what, most = stated, "the stated speed", _LARGEST_DEVIATION
+    elif "speed" in record.channels:
+        omega_m_rad_s, most = float(np.mean(record.column("speed"))), _LARGEST_SLIP
+        what = f"the mean of '{record.channels['speed'].name}'"
+    else:
+        return
+    expected_Hz = pole_pairs * abs(omega_m_rad_s) / (2.0 * math.pi)
+    if abs(found[0] - expected_Hz) > most * expected_Hz:
+        slips = ", or the machine slips" if stated is not None and found[0] > expected_Hz else ""
         yield Remark(
             RemarkKind.OTHER_FREQUENCY,
             "current",
-            f"the current's fundamental is at {found[0]:.4g} Hz, the mean of "
-            f"'{record.channels['speed'].name}' with {pole_pairs} pole pairs says {expected_Hz:.4g} Hz: "
-            f"check the units of time and speed, and the pole pairs",
+            f"the current's fundamental is at {found[0]:.4g} Hz, {what} with {pole_pairs} pole pairs says "
+            f"{expected_Hz:.4g} Hz: check the units of time and speed, and the pole pairs{slips}",
         )
 
 

@@ -209,12 +209,14 @@ def _on_a_line(
     coarse_s = resolution_s if math.isfinite(resolution_s) else 0.0
     rounding_s = 4 * float(np.spacing(np.abs(time_s).max()))
     if np.any(advance < 1) or spread_s > max(_COARSE * coarse_s, _LARGEST_DEVIATION * step_s) + rounding_s:
-        worst = int(np.argmax(np.abs(deviation)))
+        # steps that jitter by half a step count as rows that are missing
+        off = min(deviation, _off_rows(time_s), key=lambda each: float(np.abs(each).max()))
+        worst = int(np.argmax(np.abs(off)))
         steps = np.diff(time_s)
         return _refused(
             time_s,
             f"the time stamps are not even: steps of {steps.min():.4g} s to {steps.max():.4g} s, off an even "
-            f"grid by up to {abs(deviation[worst]):.3g} s (row {worst + 1})",
+            f"grid by up to {abs(off[worst]):.3g} s (row {worst + 1})",
             resolution_s,
         )
     late = np.flatnonzero(advance > 1)
@@ -228,6 +230,15 @@ def _on_a_line(
         rate_relative=_of_slope(number, about, step_s, coarse_s, rounding_s) / step_s
         + _of_gaps(advance, coarse_s, step_s),
     )
+
+
+def _off_rows(time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the deviation of stamps from a line by least squares through row numbers, none of which is
+    missing."""
+    number = np.arange(len(time_s)) - 0.5 * (len(time_s) - 1)
+    about = time_s - time_s.mean()
+    deviation: NDArray[np.float64] = about - float(number @ about) / float(number @ number) * number
+    return deviation
 
 
 def _of_slope(

@@ -10,6 +10,7 @@ import pytest
 from benchtool.analysis import Measurement
 from benchtool.profile import Bench, Sensor
 from benchtool.tables import TableQuestion, analyze_table
+from benchtool.tables.remarks import RemarkKind
 
 SPEED_RAD_S = 80.0
 MEAN_NM, RIPPLE_NM = 2.0, 0.1
@@ -93,3 +94,26 @@ def test_the_speed_tells_at_which_frequency_a_sensor_has_read_an_order(
     assert order.value == pytest.approx(RIPPLE_NM * np.sqrt(2.0), rel=1e-3)
     assert order.correction is not None
     assert order.uncertainty is not None
+
+
+@pytest.mark.parametrize(
+    ("speed_rad_s", "told"),
+    [(0.995 * SPEED_RAD_S, False), (0.95 * SPEED_RAD_S, True), (1.05 * SPEED_RAD_S, True)],
+)
+def test_a_fundamental_elsewhere_than_the_stated_speed_says_is_told(
+    tmp_path: Path, speed_rad_s: float, told: bool
+) -> None:
+    time_s = np.arange(3_000) / 2_000.0
+    path = tmp_path / "current.csv"
+    current_A = np.cos(4.0 * SPEED_RAD_S * time_s) + 0.01 * np.random.default_rng(4).standard_normal(3_000)
+    np.savetxt(path, np.column_stack([time_s, current_A]), "%.9g", ",", header="t [s],I [A]")
+
+    answer = analyze_table(
+        TableQuestion(file=path, time="1", columns={"current": "2"}, pole_pairs=4, omega_m_rad_s=speed_rad_s)
+    )
+
+    assert [each.kind for each in answer.remarks] == [RemarkKind.OTHER_FREQUENCY] * told
+    if told:
+        text = answer.remarks[0].text
+        assert "is at 50.93 Hz, the stated speed with 4 pole pairs says" in text
+        assert ("slips" in text) == (speed_rad_s < SPEED_RAD_S)

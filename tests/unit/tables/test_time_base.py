@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -222,3 +223,13 @@ def test_rows_of_a_slower_converter_are_held_as_long_as_its_period(rate_Hz: floa
     sample = np.floor(np.arange(5_000) / 10_000.0 * rate_Hz + 0.01)
 
     assert held_rows(np.sin(0.37 * sample)) == pytest.approx(held, rel=2e-3)
+
+
+def test_the_reason_states_how_far_jittering_stamps_are_off_and_not_where_steps_were_taken_for_gaps() -> None:
+    shift = np.random.default_rng(3).uniform(-0.3, 0.3, 4000)
+
+    refused = time_base(1e-3 * (np.arange(4000) + shift)).refusal
+
+    off = re.search(r"off an even grid by up to (\S+) s", refused)
+    assert off is not None
+    assert float(off[1]) == pytest.approx(0.3e-3, rel=0.03)
