@@ -69,7 +69,7 @@ def report(
     found = [case.assessment for each in runs for case in each.cases if case.assessment]
     overdue = [late for each in found for late in each.overdue]
     warn_overdue(output, overdue)
-    by_transducer = [by for each in found if (by := each.verdict_by_transducer) is not None]
+    by_transducer = [by for each in runs if (by := each.verdict_by_transducer) is not None]
     shaft = str(worst(by_transducer)) if by_transducer else None
     output.verdict(str(verdict), shaft, overdue_text(overdue))
     cases = {

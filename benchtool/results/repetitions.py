@@ -68,9 +68,12 @@ class Repeated:
 
     @property
     def verdict_by_transducer(self) -> Verdict:
-        """The verdict with the transducer's number where that contradicts the estimate."""
+        """The verdict with the transducer's number where that contradicts the estimate, as it counts for the
+        whole."""
         by_transducer = None if self.disagreement is None else self.disagreement.verdict
-        return self.verdict if by_transducer is None else by_transducer
+        if self.limit is None or by_transducer is None:
+            return self.counted
+        return self.limit.counted(by_transducer)
 
     @property
     def missed(self) -> Missed | None:

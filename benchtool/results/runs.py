@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError, UsageError
 from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
-from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.results.assessment import Assessment, RunResult, assess_bundle
 from benchtool.results.recordings import Selection, assess_recording
 from benchtool.results.repetitions import Repeated, over_repetitions
 from benchtool.results.tables import assess_table, is_table
@@ -91,6 +91,12 @@ class RecordedRun:
     def verdict(self) -> Verdict:
         together = (each.counted for group in self.repeated.values() for each in group)
         return worst((*(case.verdict for case in self.cases), *together))
+
+    @property
+    def verdict_by_transducer(self) -> Verdict | None:
+        """As that of the run when it was made; None where no case has a transducer."""
+        assessed = tuple(case.assessment for case in self.cases if case.assessment)
+        return RunResult(assessed, self.repeated).verdict_by_transducer
 
 
 def recorded_runs(folder: Path, selection: Selection | None = None) -> tuple[RecordedRun, ...]:

@@ -66,6 +66,22 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert "The transducer disagrees: torque_ripple_pp" in text
 
 
+def test_the_report_of_repetitions_says_of_the_shaft_what_the_run_says(
+    invoke: Invoke, tmp_path: Path
+) -> None:
+    together = PLAN[: PLAN.index("[case_limits.tpc]")].replace('["tpc", "deadbeat"]', '["tpc"]')
+    together = (
+        'repetitions = 2\njudge = "mean"\n' + together + "[limits]\ntorque_ripple_pp = { max = 0.06 }\n"
+    )
+    (tmp_path / "mine.toml").write_text(together, encoding="utf-8")
+    verdict = "verdict: pass by the drive's own estimate, fail by the transducer on the shaft"
+
+    assert verdict in invoke("run", "mine.toml", "--out", "run").stdout
+    assert verdict in invoke("report", "run").stdout
+    (page,) = (tmp_path / "run").glob("*.html")
+    assert "By the transducer on the shaft: fail." in page.read_text(encoding="utf-8")
+
+
 def test_no_plan_of_a_folder_runs_before_all_are_sound(invoke: Invoke, tmp_path: Path) -> None:
     folder = tmp_path / "plans"
     folder.mkdir()

@@ -38,7 +38,8 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     """Yield what stands on the first page of the report of these runs."""
     found = [case for run in runs for case in run.cases]
     together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
-    yield banner(worst(run.verdict for run in runs), found, together)
+    shaft = worst(by for run in runs if (by := run.verdict_by_transducer) is not None)
+    yield banner(worst(run.verdict for run in runs), shaft, found, together)
     yield from supervision_notes(case.bundle.manifest for case in found)
     if len(found) == 1:
         yield from failure(found[0])
@@ -58,8 +59,11 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     yield Signatures(ROLES)
 
 
-def banner(verdict: Verdict, found: Sequence[RecordedCase], together: Sequence[Verdict]) -> content.Verdict:
-    """Return the outcome of all limits, those of each case and those of repetitions `together`."""
+def banner(
+    verdict: Verdict, shaft: Verdict, found: Sequence[RecordedCase], together: Sequence[Verdict]
+) -> content.Verdict:
+    """Return the outcome of all limits, of each case and of repetitions `together`; `shaft` is the
+    verdict by the transducer, `NONE` without one."""
     limits = [each for case in found if case.assessment for each in case.assessment.verdicts.values()]
     limits += [each for each in together if each is not Verdict.NONE]
     failures = [case for case in found if case.failure]
@@ -82,7 +86,6 @@ def banner(verdict: Verdict, found: Sequence[RecordedCase], together: Sequence[V
     mark_: Mark = mark(verdict)
     text = f"{content.SYMBOLS[mark_]} {_WORDS[verdict]}"
     summary = ", ".join(parts)
-    shaft = worst(by for case in found if case.assessment and (by := case.assessment.verdict_by_transducer))
     other = f" By the transducer on the shaft: {shaft}." if shaft not in (Verdict.NONE, verdict) else ""
     return content.Verdict(mark_, text, f"{summary[0].upper()}{summary[1:]}.{other}")
 

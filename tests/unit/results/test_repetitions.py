@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from scipy import stats
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.plan.cases import cases
-from benchtool.plan.limits import Limit, Verdict
+from benchtool.plan.limits import Limit, Verdict, Waived
 from benchtool.plan.model import Plan, Sweep
 from benchtool.results.assessment import RunResult
 from benchtool.results.repetitions import Repeated, limits_together, over_repetitions
@@ -157,6 +158,9 @@ def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
     assert estimate.verdict is Verdict.PASS
     assert estimate.verdict_by_transducer is by_transducer
     assert ("disagreement" in estimate.to_json()) == math.isfinite(sum(shaft))
+    waived = Limit(max=1.2, waived=Waived(reason="a prototype", by="the client"))
+    counted = replace(estimate, limit=waived).verdict_by_transducer
+    assert counted is (Verdict.NONE if by_transducer is Verdict.FAIL else by_transducer)
 
 
 @pytest.mark.parametrize(("in_band", "expected"), [((0.8, 1.0), 0.9), ((0.8, None), None)])
