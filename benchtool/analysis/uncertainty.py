@@ -191,6 +191,15 @@ class Uncertainty:
         left = tuple(each for each in self.budget if each not in errors)
         return self._with(max(0.0, self.standard**2 - removed**2), -removed, left)
 
+    def with_power(self, added: Sequence[Contribution]) -> Uncertainty:
+        """That of a root of powers to which noise adds by these lines: in its half-width, as in that of one
+        record, they count as they stand."""
+        if not added:
+            return self
+        power2 = sum(each.standard**2 for each in added)
+        found = replace(self, half_width=None)._with(self.standard**2 + power2, 0.0, (*self.lines, *added))
+        return replace(found, half_width=math.hypot(self.expanded, math.sqrt(power2)))
+
     def without_power(self) -> Uncertainty:
         """That which is left without what noise adds to a root of powers; of a half-width, in which it counts
         as it stands, too."""

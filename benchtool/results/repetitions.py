@@ -21,7 +21,8 @@ class Repeated:
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
-    share; `instruments` are those of sensors and clock, which `uncertainty` and the JSON add. `limit` is the
+    share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
+    the power of their noise adds to each. `limit` is the
     one that holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or
     the worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is
     set where a transducer contradicts the judged value.
@@ -35,6 +36,7 @@ class Repeated:
     limit: Limit | None = None
     judged: Measurement | None = None
     instruments: tuple[Contribution, ...] = ()
+    power: tuple[Contribution, ...] = ()
     judge: Literal["each", "mean", "worst"] = "each"
     disagreement: Disagreement | None = None
 
@@ -45,11 +47,11 @@ class Repeated:
             return None
         source = f"scatter over {self.n} repetitions"
         scatter = Uncertainty(self.standard_uncertainty, source, self.n - 1.0)
-        return scatter.with_instruments(self.instruments)
+        return scatter.with_power(self.power).with_instruments(self.instruments)
 
     @property
     def combined(self) -> float:
-        """Standard uncertainty of the mean, the instruments in it; nan of fewer than two repetitions."""
+        """Standard uncertainty of the mean, what repetitions share in it; nan of fewer than two."""
         return math.nan if self.uncertainty is None else self.uncertainty.standard
 
     @property
@@ -173,6 +175,16 @@ def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
         yield replace(same[0], standard=abs(mean), sign=-1 if mean < 0.0 else 1)
 
 
+def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
+    """Yield what the power of noise adds to the mean: it does so in every repetition, and no scatter shows
+    it."""
+    known = [each.uncertainty for each in found if each.uncertainty and math.isfinite(each.value)]
+    lines = [line for each in known for line in each.budget if line.adds_power]
+    for name in dict.fromkeys(line.name for line in lines):
+        same = [line for line in lines if line.name == name]
+        yield replace(same[0], standard=sum(line.standard for line in same) / len(known))
+
+
 def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mean: bool) -> Measurement:
     """Return value that a limit over `count` repetitions applies to; undefined if one of them has none."""
     limit, name, unit = together.limit, together.name, together.unit
@@ -226,7 +238,8 @@ def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
     values = [each.value for each in found if math.isfinite(each.value)]
     mean = float(np.mean(values)) if values else math.nan
     spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
-    return Repeated(name, unit, mean, spread, len(values), instruments=tuple(_shared(found)))
+    shared, power = tuple(_shared(found)), tuple(_power(found))
+    return Repeated(name, unit, mean, spread, len(values), instruments=shared, power=power)
 
 
 def _finite(value: float) -> float | None:

@@ -102,6 +102,37 @@ def test_the_mean_of_repetitions_is_judged_with_its_own_uncertainty() -> None:
     assert document["conformance"] == pytest.approx(float(stats.t.cdf(0.05 / u, 3)))
 
 
+def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> None:
+    """49 harmonics of noise alone: every repetition reads 7 of its amplitudes, and none scatters by that."""
+    added = Contribution("power that the noise adds", "B", 1.3, adds_power=True)
+    scatter = Contribution("noise", "A", 0.2)
+    values = (1.30, 1.25, 1.45)
+    plan = _plan(3).model_copy(
+        update={"judge": "mean", "limits": {"current_thd_f": Limit(max=2.0, margin="U")}}
+    )
+    measured = {
+        case.name: (
+            Measurement(
+                "current_thd_f",
+                value,
+                "%",
+                "harmonics",
+                uncertainty=Uncertainty(math.hypot(1.3, 0.2), "noise", budget=(scatter, added)),
+            ),
+        )
+        for case, value in zip(cases(plan)[:3], values, strict=True)
+    }
+
+    found, *_ = over_repetitions(plan, measured).values()
+
+    u = float(np.std(values, ddof=1)) / math.sqrt(3.0)
+    assert found[0].uncertainty is not None
+    assert found[0].uncertainty.standard == pytest.approx(math.hypot(1.3, u))
+    assert found[0].uncertainty.expanded == pytest.approx(math.hypot(1.3, 4.3027 * u), rel=1e-4)
+    assert found[0].uncertainty.without_power().expanded == pytest.approx(4.3027 * u, rel=1e-4)
+    assert found[0].verdict is Verdict.UNDECIDED
+
+
 def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
     found = _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(max=1.05))
     assert found.verdict is Verdict.FAIL
