@@ -26,9 +26,10 @@ TAIL = 0.1
 HELD = 0.02
 """Of the height: how near its greatest value a reference counts as held there."""
 
-_WAY = 0.1, 0.9  # of the height: between these a step is in transition
+_WAY = HELD, 1.0 - 0.5 * HELD  # of the height: between these a step is in transition
 _LANDING = 0.03  # of the height: a band in which it spends little time
-_DWELL = 0.2  # of the way: more than a ramp (0.04) or an exponential (0.12) spends in such a band
+_DWELL = 0.2  # of the way: more than a ramp (0.03) spends in such a band; an exponential only at its end
+_FASTER = 3.0  # times the usual speed in the band: above it, where the way goes on from a rest
 _FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
 _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75
@@ -256,10 +257,13 @@ def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit
 
 
 def _landing(way: Floats) -> float | None:
-    """Return the level at which most of the way up is spent; None where there is none."""
+    """Return the level at which much of the way up is spent and from which it goes on faster; None where there
+    is none, as where a way slows down towards its end."""
     if len(way) < _FEWEST_ON_THE_WAY:
         return None
     ordered = np.sort(way)
     within = np.searchsorted(ordered, ordered + _LANDING, side="right") - np.arange(len(ordered))
-    densest = int(np.argmax(within))
-    return float(ordered[densest] + 0.5 * _LANDING) if within[densest] > _DWELL * len(way) else None
+    above = len(ordered) - np.arange(len(ordered)) - within
+    left = _WAY[1] - ordered - _LANDING
+    rests = (within > _DWELL * len(way)) & (left * within > _FASTER * _LANDING * above) & (left >= _LANDING)
+    return float(ordered[np.argmax(within * rests)] + 0.5 * _LANDING) if np.any(rests) else None

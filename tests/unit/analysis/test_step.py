@@ -243,10 +243,12 @@ def test_a_signal_in_another_unit_than_its_reference_is_refused() -> None:
     [
         ([0.0, 1.0, 2.0, 3.0], "rests near"),
         ([0.0, 2.0, 3.0], "rests near"),
+        ([0.0, 10.0, 10.8], "rests near"),
+        ([0.0, 0.4, 10.4], "rests near"),
         ([0.0, 1.0, 0.0, 1.0], "rises 2 times"),
         ([0.0, 1.0, -1.0], "the other"),
     ],
-    ids=["staircase", "two steps", "square wave", "doublet"],
+    ids=["staircase", "two steps", "a small one after", "a small one before", "square wave", "doublet"],
 )
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_more_than_one_step_is_refused(levels: list[float], what: str, sign: float) -> None:
