@@ -129,14 +129,18 @@ class Periods:
 
     def _not_ac(self, track: PhaseTrack) -> str:
         """Return why this is not a phase current; empty if it is."""
-        mean, amplitude = float(np.mean(self.record.column("current"))), self._amplitude(track)
+        samples, amplitude, share = self.record.column("current"), self._amplitude(track), self._share(track)
+        mean = float(np.mean(samples))
+        # noise alone has a mean too, beside which the sinusoid found in it is small
+        if share < _LEAST_SHARE and abs(mean) < float(np.std(samples)):
+            return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"
         if abs(mean) > _LARGEST_MEAN * amplitude:
             return (
                 f"its mean is {abs(mean):.3g} A and its largest sinusoid {amplitude:.3g} A peak, that of a "
                 f"phase current has a mean near zero: an offset can be taken off in the option, as ':A-0.2'; "
                 f"dc and a current in rotating coordinates have no fundamental"
             )
-        if (share := self._share(track)) < _LEAST_SHARE:
+        if share < _LEAST_SHARE:
             return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"
         return ""
 
