@@ -257,8 +257,8 @@ def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit
 
 
 def _landing(way: Floats) -> float | None:
-    """Return the level at which much of the way up is spent and from which it goes on faster; None where there
-    is none, as where a way slows down towards its end."""
+    """Return the level at which much of the way up is spent and from which it goes on faster; None where
+    there is none, as where a way slows down towards its end."""
     if len(way) < _FEWEST_ON_THE_WAY:
         return None
     ordered = np.sort(way)
