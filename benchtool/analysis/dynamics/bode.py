@@ -149,7 +149,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
-    rest = gain_at_rest(frequency_Hz, gain, error)
+    rest = gain_at_rest(frequency_Hz, gain, error, found.shared[trusted])
     text = (
         f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, 1 / gain^2 as a "
         f"polynomial of frequency^2; the reference of the others"
@@ -330,7 +330,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("response_gain",),
             UnitOf("output", over="input"),
-            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the cubic, its "
+            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the quartic, its "
             "logarithm fitted to the lowest frequencies that it describes, with a term more than these need. "
             "Frequencies count from the lowest where the input has more than 1 % of its greatest power and "
             "the error is at most 1 %, or three times the median of the frequencies used",
