@@ -1,4 +1,4 @@
-"""A parabola through neighbouring values of a curve with errors, and what polynomials of higher order add."""
+"""A parabola through neighbouring values of a curve with errors, and what a cubic adds."""
 
 from __future__ import annotations
 
@@ -11,29 +11,23 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
-_PARABOLA, _CUBIC, _QUARTIC = 3, 4, 5  # terms
+_PARABOLA, _CUBIC = 3, 4  # terms
 _FAR = 0.25  # of the frequency: from there on few points are followed by a cubic, nearer ones scatter
-_OF_LEFT = 0.1  # of what a parabola leaves: errors that are alike do not show in what they are stated to be
-_REAL = 1e-9  # imaginary part of a real root
 
 
 @dataclass(frozen=True)
 class LocalParabola:
-    """Weighted least-squares parabola about 0: coefficients, their covariance, and the mean square of what it
-    leaves relative to the errors, at least that of all points of the curve; and whether it describes its own.
+    """Weighted least-squares parabola about 0: coefficients, their covariance, by the errors or by what it
+    leaves; and whether it describes its points.
 
-    `scatter` is the mean square that a cubic leaves, likewise. `cubic` and `quartic` are the coefficients
-    of such polynomials through the same points, all within `reach`, or of lower order where there are too
-    few.
+    `cubic` are the coefficients of one through the same points, all within `reach`, or of the parabola where
+    there are too few.
     """
 
     coefficients: Floats
     covariance: Floats
-    left: float
-    scatter: float
     describes: bool
     cubic: Floats
-    quartic: Floats
     reach: float
 
     @classmethod
@@ -56,19 +50,11 @@ class LocalParabola:
         coefficients[:terms] = solution
         inverse = np.linalg.pinv((columns * weights[:, np.newaxis]).T @ columns)
         covariance[:terms, :terms] = inverse * max(scatter, mean_square)
-        cubic, beyond = coefficients, mean_square
-        if len(places) > _CUBIC:
-            cubic = fitted(_CUBIC)
-            rest = (values - np.polynomial.polynomial.polyval(places, cubic)) * root
-            beyond = float(rest @ rest) / (len(places) - _CUBIC)
         return cls(
             coefficients,
             covariance,
-            max(scatter, mean_square),
-            max(scatter, min(beyond, mean_square)),
             mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom),
-            cubic,
-            fitted(_QUARTIC) if len(places) >= _QUARTIC else cubic,
+            fitted(_CUBIC) if len(places) > _CUBIC else coefficients,
             float(np.max(np.abs(places))),
         )
 
@@ -98,11 +84,6 @@ class LocalParabola:
         powers = place ** np.arange(_PARABOLA)
         return math.sqrt(float(powers @ self.covariance @ powers))
 
-    def noise_at(self, place: float) -> float:
-        """Standard uncertainty of the value there by the errors, as large as a cubic's points scatter, and a
-        little of what the parabola leaves."""
-        return self.error_at(place) * math.hypot(math.sqrt(self.scatter / self.left), _OF_LEFT)
-
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""
         return float(np.polynomial.polynomial.polyval(place, self.cubic)) - self.value_at(place)
@@ -128,13 +109,3 @@ class LocalParabola:
         place = -2.0 * a / (b + math.copysign(math.sqrt(root), b))
         slope = self.slope_at(place)
         return (place, self.error_at(place) / abs(slope)) if slope else (math.nan, math.nan)
-
-    def zero_of(self, coefficients: Floats, level: float) -> float:
-        """Return the place nearest to 0, within its reach, at which the cubic or quartic has a level; nan
-        without one."""
-        roots = np.polynomial.polynomial.polyroots(
-            np.concatenate([[coefficients[0] - level], coefficients[1:]])
-        )
-        places = roots.real[np.abs(roots.imag) < _REAL]
-        nearest = float(places[np.argmin(np.abs(places))]) if len(places) else math.nan
-        return nearest if abs(nearest) <= self.reach else math.nan

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.local_cubic import NEAREST, LocalCubic
 from benchtool.analysis.dynamics.local_parabola import LocalParabola
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
 
@@ -32,7 +33,6 @@ _OF_TWO = 2.0 * math.sqrt(2.0)  # standard deviations of a value: two of the sum
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _FINE = 200  # places between two frequencies
-_OF_CHANGE = 0.2  # of what a cubic changes of a parabola
 _OF_PARABOLA = 0.6  # of what a parabola differs by
 _OF_STRAIGHT = 0.1  # of what a straight line differs by
 _OF_A_CUBIC, _FEWEST_OF_SCATTER = 4, 20  # neighbours that leave one free; values that tell their scatter
@@ -116,7 +116,10 @@ class ResponseCurve:
         if short is long and short.bridges:
             return self._between(at, level, level_error)
         if short is long and not short.describes:
-            return self._by_cubic(short, level, level_error, start_Hz)
+            place, spread = self._cubic(start_Hz).zero(level, level_error)
+            if not math.isfinite(place):
+                return Point(start_Hz, math.inf)
+            return Point(start_Hz * (1.0 + place), start_Hz * spread)
         place, standard = short.zero(level)
         other, _ = long.zero(level)
         if not math.isfinite(place):
@@ -127,18 +130,11 @@ class ResponseCurve:
         spread = math.hypot(standard, level_error / slope, changed, bent)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
-    @staticmethod
-    def _by_cubic(fit: LocalParabola, level: float, level_error: float, start_Hz: float) -> Point:
-        """Return where values that no parabola follows, however short, fall to a level: by a cubic. It
-        leaves out what a quartic changes, and part of what it changes itself, as both may agree by chance."""
-        cubic, quartic = (fit.zero_of(each, level) for each in (fit.cubic, fit.quartic))
-        if not math.isfinite(cubic):
-            return Point(start_Hz, math.inf)
-        slope = abs(fit.slope_at(cubic))
-        changed = fit.left_out(cubic) / slope
-        left = math.hypot(quartic - cubic, _OF_CHANGE * changed) if math.isfinite(quartic) else changed
-        spread = math.hypot(math.hypot(fit.noise_at(cubic), level_error) / slope, left)
-        return Point(start_Hz * (1.0 + cubic), start_Hz * spread)
+    def _cubic(self, frequency_Hz: float) -> LocalCubic:
+        """Return the cubic through the values nearest to a frequency, which no parabola follows."""
+        places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
+        near = np.argsort(np.abs(places), kind="stable")[:NEAREST]
+        return LocalCubic.through(places[near], self.values[near], self._weights[near], self._scatter)
 
     def _between(self, at: int, level: float, level_error: float) -> Point:
         """Return where the smooth values fall to a level before `at`, of few frequencies far apart."""
@@ -194,9 +190,7 @@ class ResponseCurve:
         short, long = self._fits(frequency_Hz)
         if short is not long or not short.bridges:
             if short is long and not short.describes:
-                level, beyond = float(short.cubic[0]), float(short.quartic[0])
-                left = math.hypot(beyond - level, _OF_CHANGE * (level - short.level))
-                return level, math.hypot(short.noise_at(0.0), left)
+                return self._cubic(frequency_Hz).at_zero()
             return short.level, math.hypot(short.standard, long.level - short.level)
         at, place = self._place_of(frequency_Hz)
         value, *others = (float(curve(place)) for curve in self._through_neighbours(at))
