@@ -43,6 +43,7 @@ _MOST_OF_RMS = 2.0  # that noise too slow for a piece has of the rms that it sho
 _CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
 _FEWEST_INNOVATIONS, _HEAVY_TAILED = 50, 3.0  # samples; standard deviations of a normal kurtosis
 _LEAST_DENSITY = 1e-6  # of the greatest
+_BY_CHANCE = 2.0  # standard deviations between the variances of two pieces of one noise
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
 
@@ -62,8 +63,10 @@ class Noise:
 
     @classmethod
     def of(cls, *pieces: Floats) -> Noise:
-        """Return the noise of samples at rest about a straight line; of several pieces the noisiest.
+        """Return the noise of samples at rest about a straight line; of several pieces all together or, where
+        one is noisier than the longest by more than chance, that one.
 
+        The noisiest would be so by chance as often, and of a short piece the slowest noise is hardly known.
         The autocovariance is tapered by Bartlett's window, with which its spectrum is nowhere negative
         (Priestley, Spectral Analysis and Time Series, 6.2.3). The line takes the slowest noise with it, which
         is given back: of the variance of a mean, twice. Pieces of fewer than eight samples are ignored.
@@ -73,8 +76,13 @@ class Noise:
         found = [(_autocovariance(piece), piece) for piece in pieces if len(piece) >= cls.FEWEST]
         if not found:
             return cls(np.zeros(1))
-        covariance, piece = max(found, key=lambda each: float(each[0][0]))
-        return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
+        covariance, piece = max(found, key=lambda each: len(each[1]))
+        noisiest, shorter = max(found, key=lambda each: float(each[0][0]))
+        if _is_noisier(noisiest, len(shorter), covariance, len(piece)):
+            covariance, piece = noisiest, shorter
+            return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
+        together = _together(found)
+        return cls(together, _offset(covariance, piece), _innovations(together, piece))
 
     @property
     def rms(self) -> float:
@@ -276,6 +284,22 @@ def _parabola(half: int) -> Floats:
         return np.ones(1)
     weights = 3.0 * (3.0 * half * (half + 1.0) - 1.0) - 15.0 * places**2
     return weights / ((2.0 * half - 1.0) * (2.0 * half + 1.0) * (2.0 * half + 3.0))
+
+
+def _is_noisier(covariance: Floats, count: int, other: Floats, other_count: int) -> bool:
+    """Return whether a piece of so many samples has more noise than another by more than chance: the variance
+    of each scatters as a mean of squares of correlated samples does."""
+    scatter = math.hypot(Noise(covariance).of_mean_square(count), Noise(other).of_mean_square(other_count))
+    return float(covariance[0] - other[0]) > _BY_CHANCE * scatter
+
+
+def _together(found: list[tuple[Floats, Floats]]) -> Floats:
+    """Return the autocovariance of pieces of one noise, each by its own: their mean, each of as much weight
+    as it has samples."""
+    total = np.zeros(max(len(covariance) for covariance, _ in found))
+    for covariance, piece in found:
+        total[: len(covariance)] += len(piece) * covariance
+    return np.asarray(total / sum(len(piece) for _, piece in found))
 
 
 def _innovations(covariance: Floats, piece: Floats) -> Floats | None:

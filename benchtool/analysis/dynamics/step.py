@@ -40,7 +40,7 @@ Floats = NDArray[np.float64]
 _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling band
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_AT_REST = 2.0  # times the settling time
+_AT_REST, _LITTLE = 2.0, 0.1  # times the settling time, at least; of the noise
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
@@ -98,8 +98,20 @@ def _at_rest(step: Step, curve: NoisyCurve, band: float) -> Floats:
     settled = curve.last_outside(step.final, band)
     begin = len(step.y) // 2
     if settled is not None and math.isfinite(settled.standard):
-        begin = math.ceil(_AT_REST * settled.place)
+        begin = _rest(step, settled, band)
     return step.y_clear[begin:]
+
+
+def _rest(step: Step, settled: Instant, band: float) -> int:
+    """Return the row from which on a signal that has come within a `band` is at rest.
+
+    After m times as long an exponential decay has left the m-th power of what it had: so many that this is
+    little against the noise, which it would be taken for.
+    """
+    times, share = _AT_REST, band / step.height
+    if step.y_noise.rms > 0.0 and share < 1.0:
+        times = max(times, math.log(_LITTLE * step.y_noise.rms / step.height) / math.log(share))
+    return math.ceil(times * settled.place)
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -160,16 +172,14 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
 
 
 def _curve(step: Step) -> NoisyCurve:
-    """Return the smooth curve, with the noise of all samples at rest where these are many more than the last.
-
-    After as long again as a signal takes to settle within 2 %, what is left of an exponential decay is the
-    square of that.
-    """
+    """Return the smooth curve, with the noise of all samples at rest where these are many more than the
+    last."""
     curve = NoisyCurve.through(step.y_clear, step.y_noise)
-    settled = curve.last_outside(step.final, _band(step, curve))
+    band = _band(step, curve)
+    settled = curve.last_outside(step.final, band)
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
         return curve
-    at_rest = step.y_clear[math.ceil(_AT_REST * settled.place) :]
+    at_rest = step.y_clear[_rest(step, settled, band) :]
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
     noise = Noise.of(step.y_before, at_rest)
