@@ -24,7 +24,9 @@ Feature = Callable[["Waveform"], complex]
 _LOOKED_AT = 1 << 16  # samples
 _SETTLED = 10.0  # time constants, after which what was before the record is forgotten
 _MAIN_LOBE = 3.0  # bins of a line under a Hann window
-_PHASES = 8  # of the grid of a resolution, whose place is not known
+_DRAWS = 24  # of waveforms alike
+_LOBES = 4  # bins to either side, beyond which a line under a Hann window has a millionth of its power
+_APART = 0.1  # of a step, rms: how much their lines differ
 _MOST_LINES = 64
 _OF_A_STEP = 0.25  # lines below may be the steps' own
 _OF_A_LINE = 1.5  # power of three bins over that of the largest, of a line under a Hann window
@@ -131,10 +133,10 @@ class Waveform:
         return float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
 
     def in_steps(self, step: float) -> tuple[tuple[Waveform, Waveform], ...]:
-        """Return eight waveforms alike, each before and after it was read in steps.
+        """Return waveforms alike, each before and after it was read in steps whose grid begins anywhere.
 
-        They have the mean, lines and noise of this one, at phases of their own, and the grid at eight places.
-        This one itself may have been read in the steps already, which once more would not move.
+        They have the mean, lines and noise of this one. This one itself may have been read in the steps
+        already, which once more would not move.
         """
         if step not in self._in_steps:
             self._in_steps[step] = tuple(self._alike(step))
@@ -143,15 +145,58 @@ class Waveform:
     def _alike(self, step: float) -> Iterator[tuple[Waveform, Waveform]]:
         random, count = np.random.default_rng(0), len(self.samples)
         places, amplitudes = self.lines()
-        own = self.rms**2 - 0.5 * float(np.sum(amplitudes**2)) - step**2 / 12.0
-        noise, kept = math.sqrt(max(0.0, own)), amplitudes > _OF_A_STEP * step
-        places, amplitudes = places[kept], amplitudes[kept]
-        for k in range(_PHASES):
-            bins = np.zeros(count // 2 + 1, dtype=np.complex128)
-            bins[places] = 0.5 * count * amplitudes * np.exp(2j * np.pi * random.random(len(places)))
-            values = self.mean + fft.irfft(bins, count) + noise * random.standard_normal(count)
-            read = in_steps(values, step, (k + 0.5) / _PHASES)
-            yield Waveform(values, self.rate_Hz), Waveform(read, self.rate_Hz)
+        places = places[amplitudes > _OF_A_STEP * step]
+        values = np.full((_DRAWS, count), self.mean)
+        least2, most2 = self._noise_before(step, max(0.0, self._power_beside(places) - step**2 / 12.0))
+        # a waveform that repeats has its errors at the same places: its lines keep their ratios
+        for bin_of_line, phasor in map(self._exactly, places):
+            apart = random.standard_normal(_DRAWS) + 1j * random.standard_normal(_DRAWS)
+            drawn = phasor + _APART * step * apart
+            turn = np.exp(2j * np.pi * bin_of_line * np.arange(count) / count)
+            values += np.outer(drawn.real, turn.real) - np.outer(drawn.imag, turn.imag)
+        for k, waveform in enumerate(values):
+            before = waveform + math.sqrt(random.uniform(least2, most2)) * random.standard_normal(count)
+            read = in_steps(before, step, (k + 0.5) / _DRAWS)
+            yield Waveform(before, self.rate_Hz), Waveform(read, self.rate_Hz)
+
+    def _exactly(self, place: int) -> tuple[float, complex]:
+        """Return the bin, not a whole one, and the peak phasor of the line nearest to one.
+
+        By the ratio of its two largest bins under a Hann window (Rife and Vincent, Bell Syst. Tech. J. 49
+        (1970) 197).
+        """
+        size, side = np.abs(self.bins), 1 if abs(self.bins[place + 1]) > abs(self.bins[place - 1]) else -1
+        ratio = float(size[place + side] / size[place])
+        off = min(max((2.0 * ratio - 1.0) / (1.0 + ratio), 0.0), 0.5) * side
+        of_window = 0.25 * (len(self.samples) - 1) * float(np.sinc(off)) / (1.0 - off**2)
+        # the window's middle is half a record from its beginning
+        return place + off, complex(self.bins[place]) / of_window * np.exp(-1j * np.pi * off)
+
+    def _power_beside(self, places: NDArray[np.int64]) -> float:
+        """Return the mean square of what is left without the lines at these bins, shape (n,)."""
+        left = np.ones(len(self.bins), dtype=bool)
+        left[0] = False
+        for near in range(-_LOBES, _LOBES + 1):
+            left[np.clip(places + near, 0, len(left) - 1)] = False
+        of_bins = np.sum(np.hanning(len(self.samples)) ** 2) * len(self.samples) / 2.0
+        power = float(np.sum(np.abs(self.bins[left]) ** 2)) / of_bins
+        return power * len(left) / max(1, int(np.count_nonzero(left)))
+
+    def _noise_before(self, step: float, noise2: float) -> tuple[float, float]:
+        """Return between which squares noise was before the steps, of the square of all that there is.
+
+        What came later blurs the readings about their grid, to a mean vector of exp(-2 pi^2 s^2) for s steps
+        of it, which is known to two standard deviations of one of as many samples anywhere.
+        """
+        vector, chance = (
+            abs(np.mean(np.exp(2j * np.pi * self.samples / step))),
+            2.0 / math.sqrt(len(self.samples)),
+        )
+        least, most = (
+            -math.log(min(each, 1.0)) / (2.0 * math.pi**2) if each > 0.0 else math.inf
+            for each in (vector + chance, vector - chance)
+        )
+        return max(0.0, noise2 - most * step**2), max(0.0, noise2 - least * step**2)
 
 
 def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Floats:
@@ -210,7 +255,7 @@ def enlarged_harmonics(
 def by_steps(waveform: Waveform, step: float, feature: Feature) -> float:
     """Return the standard uncertainty of a feature by steps whose grid may begin anywhere, in its unit.
 
-    The rms change of eight waveforms alike: step / sqrt(12) of a mean that nothing moves, and little where
+    The rms change of waveforms alike: step / sqrt(12) of a mean that nothing moves, and little where
     the signal spans many steps, whose errors average out then.
     """
     changes = [abs(feature(read) - feature(before)) for before, read in waveform.in_steps(step)]
