@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.ripple_extremes import FEWEST_PERIODS
 from benchtool.analysis.ripple_scatter import (
-    FEWEST_PERIODS,
     HIGH_PERCENT,
     LOW_PERCENT,
     Periods,

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.repeated_steps import RepeatedSteps, steps_of_periods
+from benchtool.analysis.ripple_extremes import FEWEST_PERIODS, Tails, extremes_of_ripple
 from benchtool.analysis.scatter import (
     FEWEST_EXTREMES,
     MeanError,
@@ -19,25 +19,18 @@ from benchtool.analysis.scatter import (
     error_of_root,
     error_of_series,
     neighbours_alike,
-    scatter_of_largest,
-    tail_index,
 )
 from benchtool.analysis.slow_lines import SlowLines, slow_lines
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 
 Floats = NDArray[np.float64]
 
-FEWEST_PERIODS = 3
-"""Fewest periods whose scatter is used."""
-
 LOW_PERCENT, HIGH_PERCENT = 0.5, 99.5
 """Percentiles between which single spikes do not count."""
 
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
-_SAMPLES_OF_TAIL = 1 << 17
-_ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
-_OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
+_ALIKE = 3.0  # standard deviations of a correlation
 _NEAR = 0.25  # per cent to either side, for the density there
 _OF_LAST = 16  # one in so many
 _PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
@@ -111,8 +104,7 @@ def scatter_of_periods(
     of_lines = 2.0 * math.sqrt(of_mean.of_lines) * of_mean.error.standard if of_mean.of_lines else 0.0
     error_of_square = MeanError(math.hypot(of_square.error.standard, of_lines), of_square.error.dof)
     spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
-    # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
-    tail = min(tail_index(_deviations(within, begin, counts)), tail_index(np.diff(within, 2)))
+    tails = Tails.of(within, begin, counts)
     return Scatter(
         periods=count,
         repeated=repeats.name,
@@ -121,7 +113,7 @@ def scatter_of_periods(
         percentile_range=_percentile_scatter(within, repeats, of_mean)
         if percentiles and count >= FEWEST_EXTREMES
         else None,
-        peak_to_peak=_extremes(within, rest, begin, tail),
+        peak_to_peak=extremes_of_ripple(within, rest, begin, tails),
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,
@@ -129,71 +121,6 @@ def scatter_of_periods(
         if percentiles and step > 0.0
         else None,
     )
-
-
-def _extremes(samples: Floats, rest: Floats, begin: NDArray[np.int64], tail: float) -> float:
-    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
-    samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
-    those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
-    falls over the whole record, as in part of a beat: what it comes to is not told."""
-    found = [
-        [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
-        [_about_course(each) for each in _extremes_of_periods(samples, begin)],
-    ]
-    is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
-    largest, least = found[0] if is_told else found[1]
-    if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
-        return math.nan
-    apart = math.hypot(largest.scatter(tail), least.scatter(tail))
-    if len(begin) > _FEW_EXTREMES and not _grow_together(largest.values, least.values):
-        return apart
-    # what makes both extremes larger together scatters as their difference does
-    return max(apart, scatter_of_largest(largest.values + least.values, tail))
-
-
-def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
-
-
-def _grows_throughout(spans: Floats) -> bool:
-    """Return whether a curve of less than a cycle, and no chance, explains spans of periods, shape
-    (periods,)."""
-    if len(spans) < FEWEST_PERIODS or neighbours_alike(spans) <= _ALIKE:
-        return False
-    number = np.arange(len(spans))
-    rest = spans - Polynomial.fit(number, spans, _OF_A_CYCLE)(number)
-    return bool(np.var(rest) < _LEFT * np.var(spans))
-
-
-@dataclass(frozen=True)
-class _Maxima:
-    """Largest values of each period, shape (periods,), about their course, if they have one."""
-
-    values: Floats
-    has_course: bool = False
-
-    def scatter(self, tail: float) -> float:
-        """Return the standard deviation of the largest of all over records; on a course one of few is it."""
-        of_largest = scatter_of_largest(self.values, tail)
-        return max(of_largest, float(np.std(self.values, ddof=1))) if self.has_course else of_largest
-
-
-def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
-    """Return values, shape (n,), about the course of few constants that explains how neighbours are alike, if
-    one does; they may have had one already."""
-    size = float(np.max(np.abs(values)))
-    if len(values) < FEWEST_PERIODS or not size > 0.0 or neighbours_alike(values) <= _ALIKE:
-        return _Maxima(values, has_course)
-    middle = float(np.mean(values))
-    trend = amplitude_trend(1.0 + (values - middle) / size, 0)
-    return _Maxima(values, has_course) if trend is None else _Maxima(middle + size * trend.rest, True)
-
-
-def _grow_together(one: Floats, other: Floats) -> bool:
-    """Return whether values of equal periods, shape (n,), are correlated by more than chance."""
-    if not min(np.std(one), np.std(other)) > 0.0:
-        return False
-    return bool(math.sqrt(len(one)) * np.corrcoef(one, other)[0, 1] > _TOGETHER)
 
 
 @dataclass(frozen=True)
@@ -279,16 +206,6 @@ def _growth(counts: NDArray[np.int64]) -> float:
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:
     return MeanError(size * math.hypot(error.standard, deviation), error.dof)
-
-
-def _deviations(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Floats:
-    """Return deviations of samples from the mean of all periods at the same place in them; of a long record,
-    those of its first periods."""
-    taken = min(len(begin), max(FEWEST_PERIODS, _SAMPLES_OF_TAIL // int(np.max(counts)) + 1))
-    length = int(np.min(counts))
-    rows = begin[:taken, np.newaxis] + np.arange(length)
-    table = samples[np.minimum(rows, len(samples) - 1)]
-    return np.asarray(table - np.mean(table, axis=0)).ravel()
 
 
 def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> MeanError:
