@@ -357,9 +357,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f",),
             "%",
             "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
-            "of each A_k, propagated to first order, with what modulates all of them alike where that is "
-            "significant, and beside it (root of the sum of squares) what noise and repeated quantisation "
-            "add: `current_thd_f` - `current_thd_f_noise_corrected`",
+            "of the A_k, propagated to first order, from the bins beside all of them at once, with what "
+            "modulates them alike, and beside it (root of the sum of squares) what noise and repeated "
+            "quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`",
             headline=True,
         ),
         Quantity(

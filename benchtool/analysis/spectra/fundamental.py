@@ -235,19 +235,22 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
-    What a bend within a period does to its phase is alike at both ends, but for how the bend varies.
+    What a bend within a period does to its phase is alike at both ends, but for how the bend varies, and so
+    is what is left of a steady bend: in the difference it counts by how much farther one end is.
     """
     marks = _marks(track, seen)
     per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
     going_on = continuation(phase_rad)
-    left_rad = 0.5 * _left_of_rounds(track, seen, marks)
     within_rad = _WITHIN * float(np.std(np.diff(track.at(marks), n=2)))
-    ends_rad, square = [], 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
-    for rows, phases in ((marks[0], phase_rad[::-1]), (track.samples - 1.0 - marks[-1], phase_rad)):
-        by = rows / per_period
-        ends_rad.append(float(going_on.weights(by) @ phases[-going_on.size :]))
-        square += going_on.error2(by) + (left_rad * by**2) ** 2
+    before, after = (rows / per_period for rows in (float(marks[0]), track.samples - 1.0 - float(marks[-1])))
+    ends_rad = [
+        float(going_on.weights(by) @ phases[-going_on.size :])
+        for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
+    ]
+    square = 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
+    square += going_on.error2(before) + going_on.error2(after)
+    square += (0.5 * _left_of_rounds(track, seen, marks) * (after**2 - before**2)) ** 2
     return ends_rad[1] - ends_rad[0], math.sqrt(square)
 
 

@@ -28,7 +28,6 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
-_OTHERWISE = 3.0  # a ratio of variances: by chance once in fifty
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh)
 
 
@@ -314,18 +313,18 @@ def _in_common(
     slope: float,
     by_fundamental: float,
 ) -> MeanError | None:
-    """Return the noise of a ratio with what all its lines have in common, over `slope`; None where the noise
-    of the lines, taken as independent, explains it.
+    """Return the noise of a ratio, by the sidebands of all its lines at once, over `slope`; None where no
+    line stands out of its noise, or no pair of bins is around each.
 
     An amplitude that swings moves all harmonics of a current alike: that cancels in the ratio to the
-    fundamental, and adds up in one to a stated amplitude.
+    fundamental, and adds up in one to a stated amplitude. And of independent noise the sum is estimated
+    once: the sum of estimates each of which allows for its few bins would allow for them many times.
     """
     total = math.sqrt(float(np.sum(amplitude[1:] ** 2)))
     stand_out = amplitude[1:] > _STANDS_OUT * errors.noise[1:]
     if not (total > 0.0 and slope > 0.0 and np.any(stand_out)):
         return None
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
-    apart2 = float(np.sum((weights * errors.noise) ** 2))
     together = noise_of_sum(spectrum, weights, errors.trend)
     if not by_fundamental and math.isnan(errors.wander[0]):
         return MeanError(math.nan, 1.0)
@@ -334,9 +333,7 @@ def _in_common(
         # to a stated amplitude what they have in common adds up, of two lines by no more than chance would
         of_wander = float(np.sum(weights * errors.wander))
         return MeanError(math.hypot(together.standard, of_wander), together.dof)
-    if _OTHERWISE * together.standard**2 < apart2 or together.standard**2 > _OTHERWISE * apart2:
-        return together
-    return None
+    return together if math.isfinite(together.standard) else None
 
 
 def _content(
