@@ -241,14 +241,10 @@ def local_response(
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
     else:
         of_steps, alike, in_common = errors_of_output_steps(r, y, of_r.response, at)
-    squares = found.error**2, of_steps**2, found.doubt**2
-    overlap = (2.0 * REACH + 1.0) / REACH * shared  # fits that share a bin
-    error = np.sqrt(sum(squares))
-    weighted = (
-        square * over
-        for square, over in zip(squares, (shared, np.maximum(shared, alike), overlap), strict=True)
+    error = np.hypot(found.error, of_steps)
+    shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / np.maximum(
+        error**2, np.finfo(np.float64).tiny
     )
-    shared = sum(weighted) / np.maximum(error**2, np.finfo(np.float64).tiny)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(

@@ -28,17 +28,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LocalFit:
-    """At every `at`, all of shape (m,): response, its standard uncertainty relative to it, mean input power,
-    and `doubt`, what polynomials of a term more change, relative to it as well.
+    """At every `at`, all of shape (m,): response, its standard uncertainty relative to it, mean input power.
 
-    Both are of one component, along the response or across it. The doubt is no part of the error, as it is
-    alike for fits that share bins.
+    The uncertainty is of one component, along the response or across it.
     """
 
     response: Complex
     error: Floats
     power: Floats
-    doubt: Floats
 
 
 def telling(x: Complex, at: NDArray[np.int64]) -> Floats:
@@ -63,13 +60,12 @@ class IndirectFit(LocalFit):
 def local_fit(x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -> LocalFit:
     """Fit the response of bins `y` to bins `x`, shape (bins,), around bins `at`, each `REACH` from the ends.
 
-    A record that begins and ends `at_rest` has no T. What a cubic in place of the parabola for H and a
-    parabola in place of the line for T change is doubt, over its scatter by the mean square of neighbours:
-    where a sweep begins and ends, H X looks like T, and next to nothing tells them apart.
+    A record that begins and ends `at_rest` has no T. Otherwise what a parabola in place of a line for T
+    changes is taken as an error of its own: where a sweep begins and ends, H X looks like T.
     """
     parts = [_fit(x, y, at[start : start + _BATCH], at_rest) for start in range(0, len(at), _BATCH)]
-    response, error, power, doubt = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return LocalFit(response, error, power, error * np.sqrt(_even((doubt / error) ** 2)))
+    response, error, power = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return LocalFit(response, error, power)
 
 
 def degrees_of_freedom(*, at_rest: bool) -> int:
@@ -77,19 +73,15 @@ def degrees_of_freedom(*, at_rest: bool) -> int:
     return 2 * REACH + 1 - _CURVED - (0 if at_rest else _ENDS)
 
 
-def _fit(
-    x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool
-) -> tuple[Complex, Floats, Floats, Floats]:
+def _fit(x: Complex, y: Complex, at: NDArray[np.int64], at_rest: bool) -> tuple[Complex, Floats, Floats]:
     near_x, near_y = _near(x, at), _near(y, at)
     scale, power = _size(near_x)
     near_x = near_x / scale[:, np.newaxis]
-    ends = 0 if at_rest else _ENDS
-    found = _smooth_or_sharp(near_x, near_y, ends)
-    doubt = np.abs(_smooth_or_sharp(near_x, near_y, ends, _CURVED + 1).response - found.response) ** 2
+    found = _smooth_or_sharp(near_x, near_y, 0 if at_rest else _ENDS)
+    variance = found.variance
     if not at_rest:
-        doubt += np.abs(_smooth_or_sharp(near_x, near_y, _ENDS + 1).response - found.response) ** 2
-    error = np.maximum(_relative(found.variance, found.response), np.finfo(np.float64).eps)
-    return found.response / scale, error, power, _relative(doubt, found.response)
+        variance = variance + np.abs(_smooth_or_sharp(near_x, near_y, _CURVED).response - found.response) ** 2
+    return found.response / scale, _relative(variance, found.response), power
 
 
 def indirect_fit(r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], *, at_rest: bool) -> IndirectFit:
@@ -107,8 +99,7 @@ def indirect_fit(r: Complex, x: Complex, y: Complex, at: NDArray[np.int64], *, a
     even = _even(response.real) + 1j * _even(response.imag)
     variance = yy - 2.0 * np.real(np.conj(even) * xy) + np.abs(even) ** 2 * xx
     size = np.abs(response) * np.exp(_even(np.log(np.abs(of_x))))
-    error = _relative(np.maximum(variance, 0.0), size)
-    return IndirectFit(response, error, power, np.zeros(len(power)), xx / np.abs(of_x) ** 2)
+    return IndirectFit(response, _relative(np.maximum(variance, 0.0), size), power, xx / np.abs(of_x) ** 2)
 
 
 def _indirect(
@@ -175,9 +166,9 @@ class _Solution:
         return np.asarray(np.sum(np.abs(self.left) ** 2, axis=1) / self.freedom * self.spread)
 
 
-def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int, curved: int = _CURVED) -> _Solution:
+def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> _Solution:
     """Return the fit with `ends` terms of T, with a pole where that leaves much less."""
-    smooth, sharp = (_solve(near_x, near_y, ends, poles, curved) for poles in (0, 1))
+    smooth, sharp = (_solve(near_x, near_y, ends, poles) for poles in (0, 1))
     better = smooth.variance > _SHARP * sharp.variance
     return _Solution(
         np.where(better, sharp.response, smooth.response),
@@ -187,14 +178,14 @@ def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int, curved: int = 
     )
 
 
-def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int, curved: int = _CURVED) -> _Solution:
+def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> _Solution:
     """Return the fit of a response with `poles` poles."""
     count, width = near_x.shape
-    powers = np.linspace(-1.0, 1.0, width)[:, np.newaxis] ** np.arange(curved)
-    columns = np.empty((count, width, curved + ends + poles), dtype=np.complex128)
-    columns[:, :, :curved] = near_x[:, :, np.newaxis] * powers
-    columns[:, :, curved : curved + ends] = powers[:, :ends]
-    columns[:, :, curved + ends :] = -near_y[:, :, np.newaxis] * powers[:, 1 : 1 + poles]
+    powers = np.linspace(-1.0, 1.0, width)[:, np.newaxis] ** np.arange(_CURVED)
+    columns = np.empty((count, width, _CURVED + ends + poles), dtype=np.complex128)
+    columns[:, :, :_CURVED] = near_x[:, :, np.newaxis] * powers
+    columns[:, :, _CURVED : _CURVED + ends] = powers[:, :ends]
+    columns[:, :, _CURVED + ends :] = -near_y[:, :, np.newaxis] * powers[:, 1 : 1 + poles]
     orthogonal, triangular = np.linalg.qr(columns)
     along = np.conj(orthogonal.transpose(0, 2, 1)) @ near_y[:, :, np.newaxis]
     left = near_y - (orthogonal @ along)[:, :, 0]
