@@ -30,13 +30,14 @@ _PRIOR, _IMPROBABLE = 0.2, 1e-4  # probability of a corner before the samples ar
 @dataclass(frozen=True)
 class Corner:
     """Height of a corner, and its place in rows, with their standard uncertainties; `probability` is that of
-    a corner against a smooth peak."""
+    a corner against a smooth peak, and `reach` the rows to either side within which it is."""
 
     height: float
     height_error: float
     place: float
     place_error: float
     probability: float
+    reach: int = 0
 
     def averaged(self, smooth: tuple[float, float], corner: tuple[float, float]) -> tuple[float, float]:
         """Return a value and its standard uncertainty of a `smooth` peak or of a `corner`, each as likely as
@@ -75,6 +76,7 @@ def corner_near(samples: Floats, noise: Noise, top: int) -> Corner | None:
         top + short.place,
         math.hypot(short.place_error, _OF_CHANGE * (long.place - short.place)),
         long.probability,
+        short.reach,
     )
 
 
@@ -119,6 +121,7 @@ def _fitted(samples: Floats, noise: Noise) -> Corner | None:
         place,
         math.sqrt(float(weight @ (places - place) ** 2) + (places[1] - places[0]) ** 2 / 12.0),
         odds / (1.0 + odds),
+        round(rows[-1]),
     )
 
 

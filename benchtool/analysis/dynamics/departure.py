@@ -28,18 +28,18 @@ def departure(step: Step, curve: NoisyCurve) -> Instant | None:
     answer that gets slower, and a parabola, as a second-order lag begins: the middle of both is taken. What
     noise makes of it is drawn, as noise that moves the one place moves the other too.
     """
-    level, least = float(np.mean(step.y_before)), _LEAST * step.height
+    curve, least = curve.beyond(float(np.mean(step.y_before))), _LEAST * step.height
     clear = np.maximum(least, SIGMAS * curve.standard)
     # a level at rest is anywhere within half a step of a converter that its noise does not hide
     of_level = at_rest_error(step.y_before, step.y)
-    left = curve.passage(level + clear, of_level)
+    left = curve.passage(clear, of_level)
     if left is None:
         return None
     threshold = float(clear[max(0, math.floor(left.place))])
     if threshold <= least:
         return left.instant
     times = _FURTHER if _FURTHER * threshold <= _HALF_WAY * step.height else 2.0
-    further = curve.passage(level + times * threshold, of_level)
+    further = curve.passage(times * threshold, of_level)
     if further is None:
         return None
     near, far = _back(left.place, further.place, times, least / threshold)

@@ -35,6 +35,8 @@ _TIED = 3.0  # standard deviations of the greatest value, and of another that ma
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
+_OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
+_OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 
 
@@ -97,17 +99,20 @@ class NoisyCurve:
     """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
 
     Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
-    rows, and `longer`, shape (n,), the curve under longer windows, if there is one.
+    rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
+    is what the same noise makes of the mean of the samples before the first.
     """
 
     values: Floats
     errors: Floats
     time_scatter: float = 0.0
     longer: Floats | None = None
+    before: Floats | None = None
 
     @classmethod
-    def through(cls, samples: Floats, noise: Noise) -> NoisyCurve:
-        """Return the curve through samples, shape (n,), the first of which is where a transient begins.
+    def through(cls, samples: Floats, noise: Noise, before: int = 0) -> NoisyCurve:
+        """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
+        were so many `before`.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it, or within what the noise leaves of that. Where the times of the samples
@@ -126,8 +131,9 @@ class NoisyCurve:
             of_times = _of_times(random, samples, scatter, draws)
             known = step == 0.0 and scatter == 0.0
             return cls(samples, np.empty((0, count)) if known else of_steps + of_times, scatter)
-        drawn = levels * noise.draw(random, (draws, count))
-        errors, curve = smoother.apply(drawn), smoother.apply(samples)
+        drawn = noise.draw(random, (draws, before + count))
+        of_before = np.mean(drawn[:, :before], axis=1) if before else None
+        errors, curve = smoother.apply(levels * drawn[:, before:]), smoother.apply(samples)
         if isinstance(of_steps, np.ndarray):
             of_steps = smoother.apply(of_steps)
         if scatter:
@@ -136,7 +142,13 @@ class NoisyCurve:
         bias = _OF_BIAS * (blunt - curve)
         errors *= residual_levels((samples - curve) / levels, noise.rms)
         errors += of_steps + random.standard_normal((draws, 1)) * bias
-        return cls(curve, errors, scatter, blunt)
+        return cls(curve, errors, scatter, blunt, of_before)
+
+    def beyond(self, level: float) -> NoisyCurve:
+        """Return the curve less the `level` that the samples before it had, with what noise makes of the
+        difference: the slowest moves both alike."""
+        of_level = 0.0 if self.before is None else self.before[:, np.newaxis]
+        return replace(self, values=self.values - level, errors=self.errors - of_level)
 
     @cached_property
     def standard(self) -> Floats:
@@ -238,6 +250,14 @@ class NoisyCurve:
         of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
         return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
 
+    def greatest_elsewhere(self, reach: int) -> float:
+        """Return the rms distance of the greatest value where noise puts it further away than so many rows,
+        over all draws."""
+        if not len(self.errors):
+            return 0.0
+        away = np.argmax(self.values + self.errors, axis=1) - float(np.argmax(self.values))
+        return float(np.sqrt(np.mean(np.where(np.abs(away) > reach, away, 0.0) ** 2)))
+
     def _vertex(self, top: int, *, kinked: bool) -> Top:
         """Return the course between samples about the greatest."""
         found = kink(self.values, top, float(self.standard[top])) if kinked else None
@@ -266,7 +286,8 @@ class NoisyCurve:
         within = math.sqrt(3.0) * doubt
         moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.errors)) if doubt else ()
         shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
-        drawn = (_first(above + each, sure) for each in shifted)
+        rising = _rising(above, sure) if len(shifted) else above
+        drawn = (_first(rising + each, sure) for each in shifted)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         return Passage(found.place, found.reach, places)
 
@@ -281,8 +302,9 @@ class NoisyCurve:
         if first is None or last is None:
             return None
         moved, wide = [], math.hypot(first.reach, last.reach) / math.sqrt(3.0)
+        courses = [_rising(self.values - level, sure) for level in (low, high)] if len(self.errors) else []
         for each in self.errors:
-            one, other = (_first(self.values + each - level, sure) for level in (low, high))
+            one, other = (_first(course + each, sure) for course in courses)
             if one is not None and other is not None:
                 moved.append(other.place - one.place - (last.place - first.place))
         if len(moved) < _LEAST_DEFINED * len(self.errors):
@@ -360,6 +382,17 @@ def _first(above: Floats, sure: Floats) -> _Crossing | None:
     return _Crossing(found.place + again, found.reach) if again else found
 
 
+def _rising(above: Floats, sure: Floats) -> Floats:
+    """Return a course, shape (n,), without its noise until it is beyond zero by more than that, as it would
+    be in a draw twice: up to there the least-squares one that falls nowhere (isotonic regression: Barlow et
+    al., Statistical Inference under Order Restrictions, 1972, 1.2)."""
+    from scipy import optimize  # takes longer than all else here
+
+    beyond = int(np.argmax(above >= sure)) + 1
+    rises = optimize.isotonic_regression(above[:beyond]).x
+    return np.concatenate([rises, above[beyond:]])
+
+
 def _before_the_first(above: Floats) -> _Crossing:
     """Return where zero was crossed since the sample before the first, which was below: after the line
     through the first two is there, unless they fall."""
@@ -401,7 +434,8 @@ def _between(above: Floats, at: int) -> _Crossing:
 
     The line through the two before (or rest, before the first) and that through the two after bound it,
     unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
-    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
+    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is
+    narrow.
     """
     below, here = float(above[at - 1]), float(above[at])
     first = last = line = below / (below - here)
@@ -415,10 +449,24 @@ def _between(above: Floats, at: int) -> _Crossing:
     width, middle = last - first, 0.5 * (first + last)
     if at >= 2 and at + 1 < len(above):
         cubic = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
-        return _Crossing(at - 1 + (1.0 - width) * cubic + width * middle, 0.5 * width)
+        place, reach = (1.0 - width) * cubic + width * middle, 0.5 * width
+        if 3 <= at < len(above) - 2:
+            off = _off_a_cubic(above[at - 3 : at + 3]) / (here - below)
+            if off < reach:
+                place, reach = cubic, off
+        return _Crossing(at - 1 + place, reach)
     place = (1.0 - width) * line + width * middle
     # the width of as large a deviation from there as from the middle of the interval
     return _Crossing(at - 1 + place, math.hypot(0.5 * width, math.sqrt(3.0) * (middle - place)))
+
+
+def _off_a_cubic(six: Floats) -> float:
+    """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
+    its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
+    as its second difference."""
+    second, fourth = (float(np.max(np.abs(np.diff(six, order)))) for order in (2, 4))
+    share = min(1.0, fourth / second) if second > 0.0 else 0.0
+    return fourth * (_OF_SMOOTH + share * _OF_KINK)
 
 
 def _cubic_zero(four: Floats, start: float) -> float:

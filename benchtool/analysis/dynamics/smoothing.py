@@ -43,6 +43,7 @@ _MOST_OF_RMS = 2.0  # that noise too slow for a piece has of the rms that it sho
 _CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
 _FEWEST_INNOVATIONS, _HEAVY_TAILED = 50, 3.0  # samples; standard deviations of a normal kurtosis
 _LEAST_DENSITY = 1e-6  # of the greatest
+_ALIKE = 0.5  # of the longest piece: others as long tell of the same slow noise
 _BY_CHANCE = 2.0  # standard deviations between the variances of two pieces of one noise
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
@@ -82,7 +83,8 @@ class Noise:
             covariance, piece = noisiest, shorter
             return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
         together = _together(found)
-        return cls(together, _offset(covariance, piece), _innovations(together, piece))
+        offset = max(_offset(*each) for each in found if len(each[1]) >= _ALIKE * len(piece))
+        return cls(together, offset, _innovations(together, piece))
 
     @property
     def rms(self) -> float:

@@ -174,7 +174,8 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
 def _curve(step: Step) -> NoisyCurve:
     """Return the smooth curve, with the noise of all samples at rest where these are many more than the
     last."""
-    curve = NoisyCurve.through(step.y_clear, step.y_noise)
+    before = len(step.y_before)
+    curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band)
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
@@ -184,14 +185,14 @@ def _curve(step: Step) -> NoisyCurve:
         return curve
     noise = Noise.of(step.y_before, at_rest)
     if len(at_rest) < _FEWEST_SAMPLES:
-        return NoisyCurve.through(step.y_clear, noise)
+        return NoisyCurve.through(step.y_clear, noise, before)
     offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
     if offset:
         # slow noise is as far off after the step as it was before, and wanders as it does at rest
-        before = float(np.mean(step.y_before)) - step.before
+        away = float(np.mean(step.y_before)) - step.before
         wander = float(np.std(means_of_parts(at_rest)))
-        noise = replace(noise, offset=max(offset, math.hypot(before, wander)))
-    return NoisyCurve.through(step.y_clear, noise)
+        noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
+    return NoisyCurve.through(step.y_clear, noise, before)
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
@@ -265,7 +266,8 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         if corner is not None:
             height = corner.height, corner.height_error
             greatest, of_curve = corner.averaged((greatest, of_curve), height)
-            place = corner.place, corner.place_error
+            # whichever this one is, noise may have made another the greatest
+            place = corner.place, math.hypot(corner.place_error, curve.greatest_elsewhere(corner.reach))
             peak = Instant(*corner.averaged((peak.place, peak.standard), place))
     found = greatest - step.greatest
     text = "greatest value of the smoothed signal beyond the greatest reference"
