@@ -98,19 +98,19 @@ def _at_rest(step: Step, curve: NoisyCurve, band: float) -> Floats:
     settled = curve.last_outside(step.final, band)
     begin = len(step.y) // 2
     if settled is not None and math.isfinite(settled.standard):
-        begin = _rest(step, settled, band)
+        begin = _rest(step, settled)
     return step.y_clear[begin:]
 
 
-def _rest(step: Step, settled: Instant, band: float) -> int:
-    """Return the row from which on a signal that has come within a `band` is at rest.
+def _rest(step: Step, settled: Instant) -> int:
+    """Return the row from which on a signal that has `settled` is at rest.
 
-    After m times as long an exponential decay has left the m-th power of what it had: so many that this is
-    little against the noise, which it would be taken for.
+    After m times as long an exponential decay has left the m-th power of the 2 % that it had: so many that
+    this is little against the noise, which it would be taken for.
     """
-    times, share = _AT_REST, band / step.height
-    if step.y_noise.rms > 0.0 and share < 1.0:
-        times = max(times, math.log(_LITTLE * step.y_noise.rms / step.height) / math.log(share))
+    times = _AT_REST
+    if step.y_noise.rms > 0.0:
+        times = max(times, math.log(_LITTLE * step.y_noise.rms / step.height) / math.log(_ARRIVED))
     return math.ceil(times * settled.place)
 
 
@@ -176,11 +176,10 @@ def _curve(step: Step) -> NoisyCurve:
     last."""
     before = len(step.y_before)
     curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
-    band = _band(step, curve)
-    settled = curve.last_outside(step.final, band)
+    settled = curve.last_outside(step.final, _band(step, curve))
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
         return curve
-    at_rest = step.y_clear[_rest(step, settled, band) :]
+    at_rest = step.y_clear[_rest(step, settled) :]
     if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
     noise = Noise.of(step.y_before, at_rest)
