@@ -72,21 +72,27 @@ def clipping(samples: NDArray[np.float64]) -> str:
     step as in the one before. Signals with less than sixteen different values are not tested.
     """
     for sign, word in ((1.0, "greatest"), (-1.0, "least")):
-        largest = sign * float(np.max(sign * samples))
-        at_end = samples == largest
-        count = int(np.count_nonzero(at_end))
-        if count < _FEWEST_CLIPPED or count < _CLIPPED_SHARE * len(samples):
-            continue
-        if not np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]):
-            continue
-        values, counts = np.unique(sign * samples[:: max(1, len(samples) // _LOOKED_AT)], return_counts=True)
-        beside = counts[-1 - _VALUES_BESIDE : -1]
-        if len(values) >= _FEWEST_VALUES and counts[-1] > _OFTENER * np.max(beside):
-            share = 100.0 * count / len(samples)
+        if share := clipped_share(sign * samples):
+            value = sign * float(np.max(sign * samples))
             return (
-                f"{share:.2g} % of the samples are at the {word} value, {largest:.4g}: the record is clipped"
+                f"{100.0 * share:.2g} % of the samples are at the {word} value, {value:.4g}: the record is "
+                f"clipped"
             )
     return ""
+
+
+def clipped_share(samples: NDArray[np.float64]) -> float:
+    """Return the share of samples, shape (n,), that are clipped at their greatest value; 0 if none is."""
+    at_end = samples == np.max(samples)
+    count = int(np.count_nonzero(at_end))
+    if count < _FEWEST_CLIPPED or count < _CLIPPED_SHARE * len(samples):
+        return 0.0
+    if not np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]):
+        return 0.0
+    values, counts = np.unique(samples[:: max(1, len(samples) // _LOOKED_AT)], return_counts=True)
+    beside = counts[-1 - _VALUES_BESIDE : -1]
+    is_clipped = len(values) >= _FEWEST_VALUES and counts[-1] > _OFTENER * np.max(beside)
+    return count / len(samples) if is_clipped else 0.0
 
 
 def standing(samples: NDArray[np.float64]) -> str:

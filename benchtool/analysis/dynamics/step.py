@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.distributions import normal_below
 from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
-from benchtool.analysis.dynamics.clicks import too_many
 from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.departure import SIGMAS, departure
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_drift import find_drift, wanders
 from benchtool.analysis.dynamics.step_shape import HELD, TAIL, Step, find_step
+from benchtool.analysis.dynamics.step_validity import why_unknown
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.scatter import means_of_parts
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, SIGNED_AND_MEASURED_AGAIN, Sensitivities
@@ -45,7 +45,6 @@ _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
-_FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _UNDECIDED = "because of noise this is undecided"
 _FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
@@ -88,7 +87,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
     wandering = wanders(step, at_rest, drifts=bool(drift.reason) or drift.doubt > 0.0)
-    if reason := _noise_unknown(step) or _clicks_too_many(step) or wandering:
+    if reason := why_unknown(step, band) or wandering:
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
 
@@ -135,29 +134,6 @@ def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measur
 
 def _undefined(each: Measurement, reason: str) -> Measurement:
     return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
-
-
-def _noise_unknown(step: Step) -> str:
-    """Return why the noise of a signal is not known, empty where it is: it is read from samples at rest."""
-    before = len(step.y_before)
-    is_calm = before >= _FEWEST_ALIKE and np.ptp(step.y_before) == 0.0
-    if is_calm or max(before, step.tail) >= Noise.FEWEST:
-        return ""
-    return (
-        f"its noise is not known from {before} rows before the step and the last {step.tail} after it: "
-        f"record {Noise.FEWEST} rows or more at rest"
-    )
-
-
-def _clicks_too_many(step: Step) -> str:
-    """Return why the answer is not told from interference, empty where it is."""
-    samples = step.begin + len(step.y)
-    if not too_many(step.clicks, samples):
-        return ""
-    return (
-        f"{step.clicks} of {samples} samples are far from their neighbours, too many to be left out: "
-        f"check the wiring of the channel, or filter it"
-    )
 
 
 def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measurement]:

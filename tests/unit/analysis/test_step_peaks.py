@@ -120,3 +120,16 @@ def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> 
             refused[name] += "wanders" in found.reason
     assert refused["walk"] >= 9
     assert refused["1/f"] <= 1
+
+
+def test_a_clipped_overshoot_is_none() -> None:
+    random, root = np.random.default_rng(3), math.sqrt(1.0 - 0.3**2)
+    row = 0.06 * np.maximum(np.arange(1400.0) - BEFORE, 0.0)
+    y = 1.0 - np.exp(-0.3 * row) * (np.cos(root * row) + 0.3 / root * np.sin(root * row))
+    noisy = y + 2e-3 * random.standard_normal(len(y))
+    whole, clipped = (_measured(each) for each in (noisy, np.minimum(noisy, 1.15)))
+    assert whole["overshoot"].value == pytest.approx(0.37, abs=0.01)
+    assert math.isnan(clipped["overshoot"].value)
+    assert "overshoot is clipped" in clipped["overshoot"].reason
+    # a level at rest in steps of a converter is none
+    assert math.isfinite(_measured(np.round(noisy, 2))["overshoot"].value)
