@@ -388,7 +388,7 @@ def _percent(
 
 
 def _of_percent(number: Measurement, scale: float, mean: Measurement | None) -> Sensitivities:
-    """Return those of a ripple in percent of a `mean`, whose gain is the ripple's, or of what is rated."""
+    """Return those of a ripple in percent of a `mean`, whose gain is the ripple's, or of a rated value."""
     whole = number.sensitivities
     parts = tuple(
         Sensitivity(

@@ -173,7 +173,7 @@ class Waveform:
         return place + off, complex(self.bins[place]) / of_window * np.exp(-1j * np.pi * off)
 
     def _power_beside(self, places: NDArray[np.int64]) -> float:
-        """Return the mean square of what is left without the lines at these bins, shape (n,)."""
+        """Return the mean square that is left without the lines at these bins, shape (n,)."""
         left = np.ones(len(self.bins), dtype=bool)
         left[0] = False
         for near in range(-_LOBES, _LOBES + 1):
