@@ -180,7 +180,7 @@ class Instruments:
             yield _gain(channel, sensor, part.gain * sensor.gain_standard)
         if sensor.offset_standard > 0.0:
             yield _offset(channel, sensor, part.offset * sensor.offset_standard)
-        moves = sensor.resolution and each.sensitivities.by_resolution
+        moves = each.sensitivities.by_resolution
         if sensor.resolution and moves and (rest := self._rest(channel, sensor)) > 0.0:
             moved = moved_by_steps(part, each, sensor.resolution, self._waveform(channel))
             yield self._of_resolution(channel, sensor, moved * rest / sensor.resolution)
