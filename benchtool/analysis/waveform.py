@@ -17,6 +17,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.sensor_lag import Response
+from benchtool.analysis.spectra.around_lines import interpolated
 
 Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]
@@ -67,15 +68,20 @@ class Waveform:
         return complex(self.bins[place]) if place < len(self.bins) else 0.0
 
     @cached_property
+    def sizes(self) -> Floats:
+        """Magnitudes of its bins."""
+        return np.asarray(np.abs(self.bins))
+
+    @cached_property
     def amplitudes(self) -> Floats:
         """Peak amplitude of a line at each bin, by the power in it and its neighbours, which is within 1 % of
         that of a line between two bins."""
-        return self._amplitude(np.convolve(np.abs(self.bins) ** 2, np.ones(3), mode="same"))
+        return self._amplitude(np.convolve(self.sizes**2, np.ones(3), mode="same"))
 
     @cached_property
     def least_amplitude(self) -> float:
         """Peak amplitude above which a line stands out of the noise."""
-        return float(self._amplitude(_OF_A_LINE * _least_of_lines(np.abs(self.bins) ** 2)))
+        return float(self._amplitude(_OF_A_LINE * _least_of_lines(self.sizes**2)))
 
     def _amplitude(self, power: Floats | float) -> Floats:
         """Return the peak amplitude of lines of which three bins hold so much power."""
@@ -98,7 +104,7 @@ class Waveform:
 
     def lines(self) -> tuple[NDArray[np.int64], Floats]:
         """Return bins and peak amplitudes of the lines that stand out of the noise, at most 64."""
-        size = np.abs(self.bins)
+        size = self.sizes
         inner = np.arange(1, len(size) - 1)
         stands_out = self.amplitudes[inner] > self.least_amplitude
         peaks = inner[stands_out & (size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
@@ -165,9 +171,8 @@ class Waveform:
         By the ratio of its two largest bins under a Hann window (Rife and Vincent, Bell Syst. Tech. J. 49
         (1970) 197).
         """
-        size, side = np.abs(self.bins), 1 if abs(self.bins[place + 1]) > abs(self.bins[place - 1]) else -1
-        ratio = float(size[place + side] / size[place])
-        off = min(max((2.0 * ratio - 1.0) / (1.0 + ratio), 0.0), 0.5) * side
+        off, ratio = interpolated(self.sizes, place)
+        off = off if ratio > 0.5 else 0.0  # less is noise's
         of_window = 0.25 * (len(self.samples) - 1) * float(np.sinc(off)) / (1.0 - off**2)
         # the window's middle is half a record from its beginning
         return place + off, complex(self.bins[place]) / of_window * np.exp(-1j * np.pi * off)
@@ -179,7 +184,7 @@ class Waveform:
         for near in range(-_LOBES, _LOBES + 1):
             left[np.clip(places + near, 0, len(left) - 1)] = False
         of_bins = np.sum(np.hanning(len(self.samples)) ** 2) * len(self.samples) / 2.0
-        power = float(np.sum(np.abs(self.bins[left]) ** 2)) / of_bins
+        power = float(np.sum(self.sizes[left] ** 2)) / of_bins
         return power * len(left) / max(1, int(np.count_nonzero(left)))
 
     def _noise_before(self, step: float, noise2: float) -> tuple[float, float]:

@@ -434,8 +434,7 @@ def _between(above: Floats, at: int) -> _Crossing:
 
     The line through the two before (or rest, before the first) and that through the two after bound it,
     unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
-    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is
-    narrow.
+    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
     """
     below, here = float(above[at - 1]), float(above[at])
     first = last = line = below / (below - here)
