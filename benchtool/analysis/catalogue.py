@@ -141,13 +141,15 @@ def catalogue() -> Catalogue:
 def measure(analysis: Analysis[Any], window: Window, settings: Section) -> Findings:
     """Return the findings of an analysis; those of another package's are checked against its declaration.
 
+    A measurement that has to be measured again with other errors of its sensors says of which channels.
+
     Raises:
         AnalysisError: the data do not allow it.
         PlugInError: an analysis of another package fails otherwise, or returns what it does not declare.
     """
     if not analysis.source:
-        return analysis.measure(window, settings)
+        return analysis.with_channels(analysis.measure(window, settings), settings)
     with guarded(analysis, "measure"):
         found = analysis.measure(window, settings)
         require_declared(analysis, found)
-    return found
+    return analysis.with_channels(found, settings)

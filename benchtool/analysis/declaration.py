@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
@@ -234,6 +234,19 @@ class Analysis(Generic[Settings]):
         """Return all channels that it needs with these settings."""
         named = (str(getattr(settings, key)) for key in self.channel_settings)
         return (*self.channels, *(name for name in named if name))
+
+    def with_channels(self, findings: Findings, settings: Section) -> Findings:
+        """Return findings whose measurements say what they are measured again of, where they declare no
+        sensitivities."""
+        rests_on = self.needs(settings) + (("torque_transducer",) if self.transducer else ())
+
+        def on_channels(each: Measurement) -> Measurement:
+            if each.sensitivities.is_declared:
+                return each
+            sensed = replace(each.sensitivities, rests_on=rests_on, of_spectra=self.of_spectra)
+            return replace(each, sensitivities=sensed)
+
+        return replace(findings, measurements=tuple(map(on_channels, findings.measurements)))
 
     def missing(self, channels: Set[str], settings: Section) -> tuple[str, ...]:
         """Return the channels that it needs and that are not among these."""

@@ -93,15 +93,11 @@ class Instruments:
     Args:
         bench: what is stated of them.
         blocks: what was recorded with them, for the resolution that the data show.
-        rests_on: the channels of a measurement that is not declared, by its name.
-        of_spectra: whether such a measurement is of ratios of spectra, by its name.
         clock_of: whose clock times the samples.
     """
 
     bench: Bench
     blocks: Sequence[Block] = ()
-    rests_on: Callable[[str], Sequence[str]] = lambda _: ()
-    of_spectra: Callable[[str], bool] = lambda _: False
     clock_of: str = "the drive"
     _waveforms: dict[str, Waveform | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -159,8 +155,7 @@ class Instruments:
 
     def _unstated(self, each: Measurement) -> str:
         """Return the remark on a number some of whose sensors are not stated."""
-        parts = each.sensitivities.channels
-        channels = self.rests_on(each.name) if parts is None else [part.channel for part in parts]
+        channels = each.sensitivities.named
         lacking = [name for name in channels if self._sensor(name) is None]
         if not lacking:
             return ""
@@ -254,7 +249,7 @@ class Instruments:
         }
         found = {name: Moved() for name in left}
         for channel, sensor in self.bench.channels.items():
-            own = {name: each for name, each in left.items() if channel in self.rests_on(name)}
+            own = {name: each for name, each in left.items() if channel in each.sensitivities.rests_on}
             if own:
                 self._of_channel(channel, sensor, own, again, found)
         return found
@@ -285,7 +280,7 @@ class Instruments:
                     by = _larger(up.get(name, math.nan) - each.value, each.value - down.get(name, math.nan))
                     moved[name].lines.append(line(channel, sensor, by))
         if (lag := Lag.of(sensor)) is not None:
-            spectral = {name for name in found if self.of_spectra(name)}
+            spectral = {name for name, each in found.items() if each.sensitivities.of_spectra}
             before = [measured(by=by, lags=-1) for by in lag.responses] if spectral else []
             further = lag.once_more if len(spectral) < len(found) else ()
             later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in further]

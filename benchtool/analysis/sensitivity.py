@@ -108,14 +108,20 @@ class Sensitivity:
 class Sensitivities:
     """What errors of sensors do to a number.
 
-    `channels` are those that it is computed from; None if it has to be measured again with other errors,
-    which `is_signed` says may take it below zero. Of a symmetrical component the derivatives are the largest
-    changes that an error causes: a magnitude near zero grows with an error of either sign.
+    `channels` are those that it is computed from; None if it has to be measured again with other errors of
+    the channels that it `rests_on`, which `is_signed` says may take it below zero. `of_spectra` says that it
+    is of ratios of spectra, each frequency by itself: then the response of a sensor can be divided out of a
+    channel. Both follow from the declaration of the analysis, which adds them.
+
+    Of a symmetrical component the derivatives are the largest changes that an error causes: a magnitude near
+    zero grows with an error of either sign.
     """
 
     channels: tuple[Sensitivity, ...] | None = None
     content: Content = Level()
     is_signed: bool = False
+    rests_on: tuple[str, ...] = ()
+    of_spectra: bool = False
 
     @property
     def is_declared(self) -> bool:
@@ -127,6 +133,11 @@ class Sensitivities:
         """Whether steps of a reading move it: not a frequency, nor the number of an order."""
         steps = any(each.resolution != 0.0 for each in self.channels or ())
         return steps or not isinstance(self.content, Level)
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The channels whose errors count."""
+        return self.rests_on if self.channels is None else tuple(each.channel for each in self.channels)
 
     @classmethod
     def unmoved(cls, channel: str) -> Sensitivities:

@@ -272,6 +272,7 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
     match each.name:
         case "load_torque_reached" if point.mode_of_operation is Mode.TORQUE:
             mean, slope = signals.mean("torque"), signals.acceleration_rad_s2()
+            sensitivities = copied(SIGNED_AND_MEASURED_AGAIN, rests_on=("torque", "omega_m"))
             if mean is not None and slope is not None:
                 braked = mean.value - motor.J_kgm2 * slope
                 source = f"{mean.source}, less J x slope of omega_m"
@@ -280,6 +281,8 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
                 mean = None
         case "load_torque_reached":
             mean = signals.on_shaft()
+            channel = "torque" if signals.transducer is None else _TRANSDUCER
+            sensitivities = copied(SIGNED_AND_MEASURED_AGAIN, rests_on=(channel,))
         case name:
             signal = name.removesuffix("_reached")
             mean = signals.mean(signal)

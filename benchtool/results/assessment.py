@@ -51,11 +51,8 @@ from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
 from benchtool.results.regimes import Regime
 from benchtool.results.remeasurement import (
-    is_of_spectra,
-    names_of_undeclared,
     perturbed_readings,
     remeasured,
-    rests_on,
 )
 from benchtool.results.repetitions import Repeated, limits_alone
 
@@ -330,14 +327,7 @@ def assess(
         # the operating point was not reached: that is the result, and nothing else is measured
         answers, refusal = _Answers(), str(refused)
     blocks = [capture] if transducer is None else [capture, transducer]
-    instruments = Instruments(
-        calibration.bench,
-        blocks,
-        rests_on=partial(rests_on, plan, transducer is not None),
-        of_spectra=is_of_spectra,
-    )
-
-    undeclared = names_of_undeclared(answers.measurements)
+    instruments = Instruments(calibration.bench, blocks)
 
     def again(altered: Perturbed) -> Iterator[Measurement]:
         """Yield the measurements that depend on the waveform, with a perturbed channel."""
@@ -349,7 +339,7 @@ def assess(
         if not refusal:
             with suppress(AnalysisError):  # a measurement that is not found again has an unknown uncertainty
                 todo = of_plan(plan, motor, other, shaft)
-                yield from remeasured(plan.analyses, todo, altered.channel, undeclared)
+                yield from remeasured(todo, altered.channel, answers.findings)
 
     measurements = instruments.applied((*answers.measurements, *reached), again)
     if not refusal:

@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
-from functools import partial
 from typing import Any, Final
 
 from pydantic import ValidationError
@@ -44,7 +43,7 @@ from benchtool.profile import Motor, Profile
 from benchtool.results.analyses import Planned, measure_each, planned, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
-from benchtool.results.remeasurement import channels_of, is_of_spectra, names_of_undeclared, remeasured
+from benchtool.results.remeasurement import remeasured
 from benchtool.results.rotation import ROTATING, Rotation
 from benchtool.results.windows import without
 
@@ -208,16 +207,14 @@ def analyze_block(
     here = todo(block, transducer)
     found = _marked(measure_each(here), block)
     blocks = [block] if transducer is None else [block, transducer]
-    rests_on = partial(channels_of, analyses)
-    instruments = Instruments(calibration.bench, blocks, rests_on=rests_on, of_spectra=is_of_spectra)
+    instruments = Instruments(calibration.bench, blocks)
 
     numbers = [each for findings in found.values() for each in findings.measurements]
-    undeclared = names_of_undeclared(numbers)
 
     def again(altered: Perturbed) -> Iterable[Measurement]:
         shaft = None if transducer is None else altered.of(transducer)
         try:
-            return tuple(remeasured(analyses, todo(altered.of(block), shaft), altered.channel, undeclared))
+            return tuple(remeasured(todo(altered.of(block), shaft), altered.channel, found))
         except AnalysisError:  # a measurement that is not found again has an unknown uncertainty
             return ()
 

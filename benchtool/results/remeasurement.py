@@ -7,40 +7,14 @@ The numerical derivative of JCGM 100:2008, 5.1.3, note 2: `benchtool.analysis.in
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Perturbed, catalogue, measure
-from benchtool.plan import Analyses, CaseReadings, Plan
-from benchtool.protocol import Mode
+from benchtool.analysis import Findings, Measurement, Perturbed, measure
+from benchtool.plan import CaseReadings
 from benchtool.results.analyses import Planned
-
-
-def rests_on(plan: Plan, transducer: bool, name: str) -> tuple[str, ...]:
-    """Return the channels of a measurement whose sensitivities are not declared."""
-    if name == "load_torque_reached":
-        if plan.operating_point.mode_of_operation is Mode.TORQUE:
-            return "torque", "omega_m"
-        return ("torque_transducer",) if transducer else ("torque",)
-    return channels_of(plan.analyses, name)
-
-
-def is_of_spectra(name: str) -> bool:
-    """Return whether a measurement is of ratios of spectra."""
-    analysis = catalogue().measuring(name)
-    return analysis is not None and analysis.of_spectra
-
-
-def channels_of(analyses: Analyses, name: str) -> tuple[str, ...]:
-    """Return the channels of a measurement by one of these analyses; none if none of them gives it."""
-    analysis = catalogue().measuring(name)
-    settings = None if analysis is None else analyses.settings(analysis)
-    if analysis is None or settings is None:
-        return ()
-    channels = analysis.needs(settings)
-    return (*channels, "torque_transducer") if analysis.transducer else channels
 
 
 def perturbed_readings(seen: CaseReadings, altered: Perturbed) -> CaseReadings:
@@ -51,30 +25,26 @@ def perturbed_readings(seen: CaseReadings, altered: Perturbed) -> CaseReadings:
     return replace(seen, readings={**seen.readings, altered.channel: tuple(values.tolist())})
 
 
-def names_of_undeclared(measurements: Iterable[Measurement]) -> frozenset[str]:
-    """Return the names of the measurements that have a value and declare no sensitivities."""
-    return frozenset(
-        each.name for each in measurements if math.isfinite(each.value) and not each.sensitivities.is_declared
-    )
-
-
 def remeasured(
-    analyses: Analyses, todo: Iterable[Planned], channel: str, undeclared: Set[str]
+    todo: Iterable[Planned], channel: str, findings: Mapping[str, Findings]
 ) -> Iterator[Measurement]:
-    """Yield what these analyses find that rest on a channel and declare no sensitivity to it.
+    """Yield the measurements of the analyses that found something which has to be measured again.
 
     Args:
-        analyses: with the settings that `todo` has.
         todo: of the recording as the channel would have been read with another error.
         channel: its name.
-        undeclared: the names of the measurements that declare no sensitivities.
+        findings: of the recording as it is, by analysis.
 
     Raises:
         AnalysisError: the data do not allow one of them.
     """
     for each in todo:
-        own = next((name for name in undeclared if each.analysis.quantity(name) is not None), None)
-        if own is None or not each.possible:
-            continue
-        if channel in channels_of(analyses, own):
+        found = findings.get(each.analysis.name)
+        if found is not None and each.possible and any(_moved(by, channel) for by in found.measurements):
             yield from measure(each.analysis, each.window, each.settings).measurements
+
+
+def _moved(each: Measurement, channel: str) -> bool:
+    """Return whether a measurement has a value and has to be measured again with errors of a channel."""
+    sensed = each.sensitivities
+    return math.isfinite(each.value) and not sensed.is_declared and channel in sensed.rests_on

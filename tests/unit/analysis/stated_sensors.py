@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -72,9 +73,11 @@ def reading(
     standard: float | None = 0.0,
     unit: str = "Nm",
     frequency_Hz: float | None = None,
+    rests_on: tuple[str, ...] = (),
 ) -> Measurement:
     uncertain = None if standard is None else Uncertainty(standard, "scatter", 10.0)
     sensed = _SENSED[name](value) if name in _SENSED else MEASURED_AGAIN
+    sensed = replace(sensed, rests_on=rests_on)
     basis = Basis(frequency_Hz=frequency_Hz)
     return Measurement(name, value, unit, "", basis, uncertain, sensitivities=sensed)
 

@@ -15,7 +15,7 @@ from benchtool.analysis import (
     measurements_from_json,
     measurements_to_json,
 )
-from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.catalogue import catalogue, measure
 from benchtool.analysis.instruments import UNSTATED, Instruments, Perturbed
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.uncertainty import Contribution, InstrumentError, of_difference
@@ -140,20 +140,15 @@ def test_a_resolution_is_in_currents_and_their_harmonics() -> None:
 # --- measured again -------------------------------------------------------------------------------------
 
 
-def _rests_on(name: str) -> tuple[str, ...]:
-    found = catalogue().measuring(name)
-    return () if found is None else (*found.channels, *(("torque_transducer",) if found.transducer else ()))
-
-
 def _measure(block: Block, transducer: Block, titles: Sequence[str]) -> Iterator[Measurement]:
     window = Window.of(block, EXAMPLE_MOTOR, transducer)
     for analysis in catalogue().steady:
         if analysis.title in titles:
-            yield from analysis.measure(window, analysis.settings()).measurements
+            yield from measure(analysis, window, analysis.settings()).measurements
 
 
 def _with_sensors(bench: Bench, block: Block, transducer: Block, titles: Sequence[str]) -> list[Measurement]:
-    instruments = Instruments(bench, (block, transducer), rests_on=_rests_on)
+    instruments = Instruments(bench, (block, transducer))
 
     def again(altered: Perturbed) -> Iterator[Measurement]:
         return _measure(altered.of(block), altered.of(transducer), titles)
@@ -183,8 +178,8 @@ def test_a_residual_that_is_a_difference_knows_the_gain_of_what_it_is_made_from(
 
 def test_what_cannot_be_measured_again_has_no_known_uncertainty() -> None:
     sensors = {"i_a": sensor_of(gain_U_percent=1.0)}
-    instruments = Instruments(Bench(channels=sensors), rests_on=lambda _: ("i_a",))
-    (found,) = instruments.applied([reading("something_else", 1.0, 0.1)], lambda _: ())
+    read = reading("something_else", 1.0, 0.1, rests_on=("i_a",))
+    (found,) = Instruments(Bench(channels=sensors)).applied([read], lambda _: ())
     assert found.uncertainty is None
 
 

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import (
+    Excitation,
     Measurement,
     Table,
-    analyze_response,
     measurements_from_json,
     measurements_to_json,
     tables_from_json,
     tables_to_json,
 )
-from benchtool.analysis.catalogue import catalogue
+from benchtool.analysis.catalogue import catalogue, measure
+from benchtool.analysis.dynamics.bode import FREQUENCY_RESPONSE
 from benchtool.analysis.instruments import Instruments, Perturbed
 from benchtool.analysis.measurement import Basis, LineColumn
 from benchtool.analysis.sensor_tables import AS_READ
@@ -180,13 +181,13 @@ def test_a_response_is_divided_out_of_a_frequency_response() -> None:
     block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "Nm"}, x=x, y=y)
 
     def measured(altered: Perturbed) -> tuple[Measurement, ...]:
-        return analyze_response(altered.of(block), "x", "y", period_rows=count).measurements
+        window = Window.of(altered.of(block), EXAMPLE_MOTOR, None, Excitation(0, len(x), count))
+        return measure(FREQUENCY_RESPONSE, window, settings).measurements
 
+    settings = FREQUENCY_RESPONSE.settings(input="x", output="y")
     read = {each.name: each for each in measured(Perturbed("y"))}["bandwidth_3dB"]
     sensor = sensor_of(bandwidth_Hz=200.0, bandwidth_tolerance_percent=1.0)
-    instruments = Instruments(
-        Bench(channels={"y": sensor}), [block], rests_on=lambda _: ("x", "y"), of_spectra=lambda _: True
-    )
+    instruments = Instruments(Bench(channels={"y": sensor}), [block])
     (found,) = instruments.applied([read], measured)
     assert read.value == pytest.approx(83.7, rel=0.01)
     assert found.value == pytest.approx(100.0, abs=2.0 * uncertainty_of(found).standard)
@@ -205,11 +206,11 @@ def test_a_step_behind_a_slow_sensor_contains_its_lag_and_its_steps() -> None:
     def measured(altered: Perturbed) -> Iterator[Measurement]:
         torque = altered.of(block).column("torque")
         low, high = (np.interp(level, torque, time_s) for level in (0.1, 0.9))
-        yield reading("rise_time", float(high - low), 0.0, "s")
+        yield reading("rise_time", float(high - low), 0.0, "s", rests_on=("torque",))
 
     (read,) = measured(Perturbed("torque"))
     sensor = sensor_of(bandwidth_Hz=300.0, resolution_Nm=0.02)
-    instruments = Instruments(Bench(channels={"torque": sensor}), [block], rests_on=lambda _: ("torque",))
+    instruments = Instruments(Bench(channels={"torque": sensor}), [block])
     (found,) = instruments.applied([read], measured)
     by_steps, by_lag = sorted(uncertainty_of(found).budget[1:], key=lambda each: each.name, reverse=True)
     late_s = read.value - math.log(9.0) / slow
@@ -228,11 +229,10 @@ def test_a_size_is_not_corrected_below_zero(name: str, is_told: bool) -> None:
     later = {1: 1.1e-3, 2: 1.6e-3}
 
     def again(altered: Perturbed) -> Iterator[Measurement]:
-        yield reading(name, later[altered.lags], 0.0, "s")
+        yield reading(name, later[altered.lags], 0.0, "s", rests_on=("torque",))
 
     bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=300.0)})
-    instruments = Instruments(bench, rests_on=lambda _: ("torque",))
-    (found,) = instruments.applied([reading(name, 1e-4, 1e-6, "s")], again)
+    (found,) = Instruments(bench).applied([reading(name, 1e-4, 1e-6, "s", rests_on=("torque",))], again)
     assert (found.uncertainty is not None, found.correction is not None) == (is_told, is_told)
     assert is_told or (found.value, "more than it is" in found.uncertainty_reason) == (1e-4, True)
 
