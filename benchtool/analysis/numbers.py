@@ -31,7 +31,8 @@ def number(value: float, digits: int = _DIGITS) -> str:
 
 def stated(value: float, uncertainty: float | None) -> str:
     """Return a value with its uncertainty, standard or expanded as the heading says: the uncertainty to two
-    digits and the value to the same place (JCGM 100:2008, 7.2.6); without one, four significant digits."""
+    digits and the value to the same place, up to ten digits (JCGM 100:2008, 7.2.6); without one, four
+    significant digits."""
     if uncertainty is None or not (math.isfinite(value) and math.isfinite(uncertainty)) or uncertainty <= 0.0:
         return number(value)
     largest = max(abs(value), uncertainty)
@@ -42,7 +43,8 @@ def stated(value: float, uncertainty: float | None) -> str:
     decimals = max(0, min(-place, most))
     if place > 0:
         value, uncertainty = round(value, -place), round(uncertainty, -place)
-    text = f"{_signed(f'{value:.{decimals}f}')} ± {uncertainty:.{decimals}f}"
+    beside = number(uncertainty, 2) if decimals < -place else f"{uncertainty:.{decimals}f}"
+    text = f"{_signed(f'{value:.{decimals}f}')} ± {beside}"
     return f"({text}) × {_power(scaled)}" if scaled else text
 
 

@@ -138,6 +138,6 @@ def _console(*, stderr: bool) -> Console:
     return console
 
 
-def significant(value: float) -> str:
-    """Return four significant digits, or a dash for what has no value."""
-    return f"{value:.4g}" if math.isfinite(value) else "–"
+def significant(value: float, digits: int = 4) -> str:
+    """Return so many significant digits, or a dash for what has no value."""
+    return f"{value:.{digits}g}" if math.isfinite(value) else "–"

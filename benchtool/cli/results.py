@@ -142,7 +142,7 @@ def show_repeated(
     for case, together in repeated.items():
         limited = any(each.limit is not None for each in together)
         rows: list[tuple[str | Text, ...]] = [
-            (each.name, significant(each.mean), f"{each.combined:.2g}", str(each.n), each.unit)
+            (each.name, significant(each.mean), significant(each.combined, 2), str(each.n), each.unit)
             + ((_together(each),) if limited else ())
             for each in together
             if not names or each.name in names
