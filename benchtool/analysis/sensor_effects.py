@@ -24,10 +24,12 @@ from benchtool.analysis.sensitivity import (
     Sensitivity,
 )
 from benchtool.analysis.sensor_lag import Estimate, Lag, Response
+from benchtool.analysis.uncertainty import coverage_factor
 from benchtool.analysis.waveform import Waveform, by_steps, enlarged_harmonics, enlarged_largest
 
 _ROOT_3: Final = math.sqrt(3.0)
 _FEW_STEPS = 2.5
+_ROUNDING = 1e-9  # of a step
 
 
 def top_Hz(each: Measurement) -> float:
@@ -103,6 +105,9 @@ def _component_before(
         lags = [each and replace(each, tolerance=None) for each in lags]
     slowest = min((each for each in lags if each is not None), key=lambda each: each.bandwidth_Hz)
     phasors = [each.line(at_Hz) for each in recorded]
+    as_stated = 1.0
+    if len(phasors) == len(lags) and not of.in_percent:
+        as_stated = of.positive / _component(Component("positive", of.positive), phasors)
 
     def before(way: int) -> float:
         inverses = [1.0 if each is None else complex(each.responses[way].inverse(at_Hz)) for each in lags]
@@ -110,14 +115,15 @@ def _component_before(
             return value * (1.0 if of.in_percent else abs(inverses[0]))
         read = _component(of, phasors)
         whole = _component(of, [p * each for p, each in zip(phasors, inverses, strict=True)])
-        positive = _component(Component("positive", of.positive), phasors)
-        unit = 1.0 if of.in_percent else of.positive / positive
-        return abs(value + unit * (whole - read))
+        return abs(value + as_stated * (whole - read))
 
     estimate = slowest.estimate(value, [before(way) for way in range(len(slowest.responses))])
-    turned = [_turned(each, at_Hz) for each in stated]
+    turned = [0.0 if each is None else _turned(each, at_Hz) for each in lags]
     scale = 100.0 if of.in_percent else of.positive
     apart = 0.0 if of.which == "positive" else scale * math.hypot(*turned) / 3.0
+    # of a magnitude that turns may have made all of it counts, of another what is in phase with it
+    if len(phasors) == len(lags) and coverage_factor(math.inf) * apart < estimate.value:
+        apart = as_stated * _by_turns(of, phasors, turned)
     return Estimate(estimate.value, math.hypot(estimate.standard, apart))
 
 
@@ -127,6 +133,18 @@ def _turned(lag: Lag, at_Hz: float) -> float:
     if lag.tolerance is None:
         return 0.5 * max(abs(complex(each.inverse(at_Hz)) - 1.0) for each in lag.responses) / _ROOT_3
     return lag.tolerance * at_Hz / lag.bandwidth_Hz / _ROOT_3
+
+
+def _by_turns(of: Component, phasors: Sequence[complex], turned: Sequence[float]) -> float:
+    """Return the standard uncertainty of a component of phasors, each of which may be turned by so much, rad,
+    to either side."""
+    own = _component(of, phasors)
+    changes = [
+        _component(of, [p * cmath.exp(1j * by) if k == phase else p for k, p in enumerate(phasors)]) - own
+        for phase, most in enumerate(turned)
+        for by in (-most, most)
+    ]
+    return math.sqrt(0.5 * sum(change**2 for change in changes))
 
 
 def _component(of: Component, phasors: Sequence[complex]) -> float:
@@ -157,7 +175,7 @@ def moved_by_steps(
         return abs(part.offset) * by_steps(waveform, resolution, lambda of: of.mean)
     feature = _feature(each)
     read = abs(feature(waveform))
-    if not read > 0.0:
+    if not read > _ROUNDING * resolution:
         return part.resolution * resolution
     scale = part.gain if isinstance(content, Component) else each.value
     moved = by_steps(waveform, resolution, feature)
@@ -170,9 +188,10 @@ def _feature(each: Measurement) -> Callable[[Waveform], complex]:
     """Return the feature of a waveform that such a number is proportional to, 0 where it is not known."""
     line_Hz = _or_nan(each.basis.frequency_Hz)
     match each.sensitivities.content:
-        case Line() | Largest():
+        case Line() | Largest() | Component("positive"):
             return lambda of: of.amplitude(line_Hz)
         case Component():
+            # small beside the phases, whose errors may move it at any angle
             return lambda of: of.line(line_Hz)
         case Harmonics(fundamental_Hz, as_ratio):
             highest_Hz = top_Hz(each)
