@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,3 +130,50 @@ def test_lags_that_are_not_alike_leave_in_a_component_what_is_in_phase_with_it()
             errors[each.name].append((each.value - truths[each.name]) / uncertainty_of(each).standard)
     for name, each_over_u in errors.items():
         assert 0.75 < math.sqrt(np.mean(np.square(each_over_u))) < 1.25, name
+
+
+@pytest.mark.parametrize(("steps_high", "is_all_of_one"), [(1.2, True), (4.0, False)])
+def test_a_line_of_few_steps_may_have_been_larger_by_all_of_one(
+    steps_high: float, is_all_of_one: bool
+) -> None:
+    step_Nm = 0.5
+    size_Nm = 0.5 * steps_high * step_Nm
+    time_s = np.arange(20_000) / 20e3
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=size_Nm * np.cos(2.0 * math.pi * 41.3 * time_s))
+    bench = Bench(channels={"torque": sensor_of(resolution_Nm=step_Nm)})
+    read = reading("torque_line_amplitude", size_Nm, frequency_Hz=41.3)
+    (found,) = applied(bench, read, blocks=[block])
+    one = step_Nm / math.sqrt(12.0)
+    u = uncertainty_of(found).standard
+    assert u == pytest.approx(one, rel=0.01) if is_all_of_one else 0.0 < u < 0.5 * one
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("current_thd_f", "%"), ("current_tdd", "%"), ("current_sequence_negative", "A")]
+)
+def test_finer_steps_move_a_ratio_and_a_component_less(name: str, unit: str) -> None:
+    """In proportion to their size, under noise that spans them; by more than nothing."""
+    angle = 2.0 * math.pi * 50.0 * np.arange(20_000) / 20e3
+    noise = np.random.default_rng(6).normal(0.0, 0.2, (3, 20_000))
+    currents = {
+        phase: 6.0 * np.cos(angle - turn)
+        + 0.3 * np.cos(5.0 * angle + turn)
+        + 0.3 * np.cos(angle + turn)
+        + noise[k]
+        for k, (phase, turn) in enumerate(
+            (("i_a", 0.0), ("i_b", 2.0 * math.pi / 3.0), ("i_c", -2.0 * math.pi / 3.0))
+        )
+    }
+    block = Block.from_arrays(20e3, dict.fromkeys(currents, "A"), **currents)
+
+    def by(step_A: float) -> float:
+        bench = Bench(channels=dict.fromkeys(currents, sensor_of(resolution_A=step_A)))
+        read = reading(name, 5.0 if unit == "%" else 0.3, unit=unit, frequency_Hz=50.0)
+        (found,) = applied(
+            bench, replace(read, basis=replace(read.basis, bandwidth_Hz=2000.0)), blocks=[block]
+        )
+        return uncertainty_of(found).standard
+
+    fine, coarse = by(0.02), by(0.1)
+    assert 0.0 < fine < coarse < 0.05 * (5.0 if unit == "%" else 0.3)
+    assert coarse / fine == pytest.approx(5.0, rel=0.5)
