@@ -215,6 +215,7 @@ class Unbalance:
     clip: float = math.inf
     drift: float = 0.0
     bits: int = 0
+    swing: tuple[float, float] = (0.0, 0.0)  # of all alike: amplitude, about how many cycles in the record
 
 
 def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
@@ -233,6 +234,9 @@ def _unbalance(what: Unbalance, random: np.random.Generator) -> Found:
         period = (what.periods * time).astype(np.int64)
         size = size * (1.0 + rms * coloured(random.standard_normal(int(period.max()) + 1), memory)[period])
     shift = random.uniform(0, 2 * np.pi)
+    if what.swing[0]:
+        cycles = what.swing[1] * random.uniform(0.8, 1.2)
+        size = size * (1.0 + what.swing[0] * np.cos(2 * np.pi * (cycles * time + random.uniform())))
     currents = {}
     for name, turn in (("i_a", 0.0), ("i_b", third), ("i_c", -third)):
         current = np.cos(theta - turn) + np.real((negative * np.exp(-1j * turn) + zero) * np.exp(-1j * theta))
@@ -356,6 +360,10 @@ KINDS: Mapping[str, Kind] = {
     "unbalance_backwards": replace(_UNBALANCE, backwards=True),
     "unbalance_reversal": replace(_UNBALANCE, reverses=True),
     "unbalance_two_regimes": replace(_UNBALANCE, second_regime=2.2),
+    "unbalance_swing": replace(_UNBALANCE, swing=(0.04, 3.1), periods=41.3, noise=3e-3),
+    "unbalance_swing_slow": replace(_UNBALANCE, swing=(0.02, 1.9), periods=60.7, colour=0.9),
+    "unbalance_swing_fast": replace(_UNBALANCE, swing=(0.05, 11.0), periods=80.2, noise=1e-3),
+    "unbalance_swing_little": replace(_UNBALANCE, swing=(0.005, 4.4), periods=50.6, noise=3e-2),
     "unbalance_clipped": replace(_UNBALANCE, clip=0.8, noise=1e-4),
     "lines": _LINES,
     "lines_coloured": replace(_LINES, colour=0.98),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.lowest_frequencies import slow_noise
+from benchtool.analysis.slow_swing import slow_swing
 from benchtool.analysis.uncertainty import Contribution
 
 _PARTS, _MOST_PARTS = 10, 64
@@ -179,6 +180,16 @@ def error_of_record(samples: NDArray[np.float64]) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
     by the lowest frequencies where these hold much less."""
     return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+
+
+def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:
+    """Return the mean of values, shape (n,), one for each period, and its error: of those that swing slowly
+    the mean about the swing, and the error by what is left of it."""
+    swing = slow_swing(values)
+    if swing is None:
+        return float(np.mean(values)), error_of_periods(values)
+    error = error_of_periods(swing.rest)
+    return swing.mean, replace(error, standard=swing.of_mean * error.standard)
 
 
 def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMORY) -> MeanError:

@@ -21,7 +21,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import MeanError, error_of_periods, is_memory_untold
+from benchtool.analysis.scatter import MeanError, is_memory_untold, mean_of_periods
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.noise import converter_steps, repeated_quantisation
@@ -51,9 +51,11 @@ _SOURCE = "scatter of the components over periods, and what it adds to a magnitu
 
 @dataclass(frozen=True)
 class _Component:
-    """Magnitude of the mean of one phasor per period, with its uncertainty."""
+    """Magnitude of the mean of one phasor per period, with its uncertainty; `swung` is that of a mean that
+    has the incomplete cycles of a slow swing in it."""
 
     magnitude: float
+    swung: float
     budget: tuple[Contribution, ...]
 
     @property
@@ -101,10 +103,8 @@ def current_unbalance(
         sequences = sequences[[1, 0, 2]]
     steps = _of_steps(parts, columns)
     positive = _component(sequences[0], steps, beside=sequences[1])
-    components = [positive, *(_alike(_component(each, steps), positive) for each in sequences[1:])]
-    ratios = (
-        [_component(each, steps, sequences[0]) for each in sequences[1:]] if np.mean(sequences[0]) else []
-    )
+    beside = [_component(each, steps, sequences[0]) for each in sequences[1:]]
+    components = [positive, *(_alike(each, positive) for each in beside)]
     basis = Basis(
         samples=first.samples,
         sample_rate_Hz=block.sample_rate_Hz,
@@ -117,7 +117,7 @@ def current_unbalance(
     )
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0]), "the positive-sequence current")
-    return tuple(_numbers(components, ratios, channels, block.unit(channels[0]), basis, reason))
+    return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
 
 
 def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.float64]]) -> float:
@@ -143,10 +143,11 @@ def _component(
     of the ratio times the latter: what both do alike cancels in it. A sequence `beside` it has as much of the
     noise of the three currents, and nothing of a phase that wanders."""
     turned, magnitude = _turned(phasors)
-    if reference is not None:
-        base, size = _turned(reference)
+    base, size = _turned(phasors if reference is None else reference)
+    if reference is not None and size > 0.0:
         turned = turned - magnitude / size * base.real
-    along, across = error_of_periods(turned.real), error_of_periods(turned.imag)
+    about_swing, along = mean_of_periods(turned.real)
+    moved, across = about_swing - float(np.mean(turned.real)), mean_of_periods(turned.imag)[1]
     if is_memory_untold(turned.real, turned.imag):
         along = MeanError(math.nan, along.dof)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
@@ -161,6 +162,7 @@ def _component(
     # of a phase that wanders by phi rms a mean is phi^2 / 2 shorter
     lost = 0.5 * float(np.var(turned.imag)) / magnitude if of_phase is not across else 0.0
     return _Component(
+        magnitude + moved,
         magnitude,
         (
             along.line("scatter over periods"),
@@ -175,7 +177,7 @@ def _without_wander(across: MeanError, beside: Phasors) -> MeanError:
     """Return the error across a phasor, or that of the sequence beside it where it is clearly less: then the
     phase wanders, which moves a magnitude in the second order alone."""
     turned, _ = _turned(beside)
-    one, other = error_of_periods(turned.real), error_of_periods(turned.imag)
+    one, other = mean_of_periods(turned.real)[1], mean_of_periods(turned.imag)[1]
     noise = MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
     if not noise.standard > 0.0:
         return across
@@ -184,12 +186,13 @@ def _without_wander(across: MeanError, beside: Phasors) -> MeanError:
 
 
 def _alike(component: _Component, positive: _Component) -> _Component:
-    """Return a component of a current whose wander it shares, with that of the positive sequence."""
+    """Return a component, in ratio to the positive sequence so far, with what that one's amplitude does."""
     own = positive.uncertainty
     standard = math.nan if own is None else own.standard
+    steady = positive.magnitude / positive.swung if positive.swung > 0.0 else 1.0
     share = component.magnitude / positive.magnitude if positive.magnitude > 0.0 else 0.0
     common = Contribution("wander of the positive sequence", "A", share * standard, own.dof if own else 1.0)
-    return replace(component, budget=(*component.budget, common))
+    return replace(component, magnitude=steady * component.magnitude, budget=(*component.budget, common))
 
 
 def _turned(phasors: Phasors) -> tuple[Phasors, float]:
@@ -240,7 +243,7 @@ def _numbers(
         if reason:
             yield Measurement.undefined(number, "%", text, reason, basis)
             continue
-        scale, ratio = 100.0 / positive.magnitude, ratios[index]
+        scale, ratio = 100.0 / positive.swung, ratios[index]
         uncertain = combined((each.scaled(scale) for each in ratio.budget), _SOURCE)
         why = _TOO_SLOW if uncertain is None else ""
         value = scale * ratio.magnitude

@@ -1,0 +1,77 @@
+"""A slow swing in a series of few values, one of each period: a sinusoid that explains nearly all of it.
+
+Its incomplete cycles move a mean by an amount that is known, and what is left over is the noise. Red noise, a
+random walk as well as 1/f noise, leaves more than a twentieth unexplained by any one sinusoid, of 24 to 100
+values in all of some thousand records, but for 1 % of those whose density falls with the cube of frequency.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+Floats = NDArray[np.float64]
+
+_FEWEST = 24  # values
+_LEAST_CYCLES = 1.2  # in the series: a slower one is not told from the mean
+_FASTEST = 0.25  # cycles from one value to the next
+_LEFT = 0.05  # of the variance
+_FINER = 4  # places of a spectrum in a bin
+_NEAR = 0.5  # cycles
+_EXACTLY = 1e-4  # cycles
+_FITTED = 4.0  # constants: mean, cosine, sine and frequency
+
+
+@dataclass(frozen=True)
+class SlowSwing:
+    """What a series, shape (n,), is about its swing: its mean and the `rest`, shape (n,), by least squares.
+
+    Noise moves the mean `of_mean` times as much as it would move one without a swing, with the constants
+    that were fitted taken off the number of values.
+    """
+
+    mean: float
+    rest: Floats
+    of_mean: float
+
+
+def slow_swing(values: Floats) -> SlowSwing | None:
+    """Return the swing of values, shape (n,), at equal distances; None where it is not nearly all that they
+    do."""
+    count = len(values)
+    deviation = values - np.mean(values)
+    square = float(deviation @ deviation)
+    if count < _FEWEST or not square > 0.0:
+        return None
+    power = np.abs(fft.rfft(deviation, _FINER * count)) ** 2
+    first, last = math.ceil(_FINER * _LEAST_CYCLES), int(_FINER * _FASTEST * count)
+    near = (first + int(np.argmax(power[first:last]))) / _FINER
+    place = (np.arange(count) + 0.5) / count
+
+    def left(cycles: float) -> float:
+        rest = _fitted(deviation, place, cycles)[1]
+        return float(rest @ rest)
+
+    bounds = max(_LEAST_CYCLES, near - _NEAR), near + _NEAR
+    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY})
+    if not found.fun < _LEFT * square:
+        return None
+    mean, rest, of_mean = _fitted(deviation, place, float(found.x))
+    of_mean *= math.sqrt(count / (count - _FITTED))
+    return SlowSwing(float(np.mean(values)) + mean, rest, of_mean)
+
+
+def _fitted(values: Floats, place: Floats, cycles: float) -> tuple[float, Floats, float]:
+    """Return the constant beside a sinusoid, what both leave, shape (n,), and by how much noise moves the
+    constant more than it moves a mean."""
+    turned = 2.0 * np.pi * cycles * place
+    basis = np.stack([np.ones(len(values)), np.cos(turned), np.sin(turned)])
+    normal = basis @ basis.T
+    found = np.linalg.solve(normal, basis @ values)
+    of_mean = math.sqrt(len(values) * float(np.linalg.inv(normal)[0, 0]))
+    return float(found[0]), values - found @ basis, of_mean
