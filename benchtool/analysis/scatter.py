@@ -100,7 +100,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    return _without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
+    return without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
 
 
 def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64]) -> bool:
@@ -228,7 +228,7 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
             return by_parts
         by_parts = error_of_series(parts)
     values = means_of_blocks(samples, periods)
-    by_parts = _without_oscillations(values, by_parts)
+    by_parts = without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
     # the scatter of few parts is itself so uncertain that it does not speak against more
     clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
@@ -279,7 +279,7 @@ def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = BL
     return np.asarray(within / size)
 
 
-def _without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
     """Return the error of the mean by the lowest frequencies of values, shape (n,), where it is clearly
     less."""
     if len(values) < _FEWEST_OF_LOWEST * _LOWEST or not by_parts.standard > 0.0:

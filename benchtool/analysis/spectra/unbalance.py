@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,13 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import MeanError, is_memory_untold, mean_of_periods
+from benchtool.analysis.scatter import (
+    MeanError,
+    is_memory_untold,
+    mean_of_periods,
+    means_of_blocks,
+    without_oscillations,
+)
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.noise import converter_steps, repeated_quantisation
@@ -37,6 +44,7 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 Phasors = NDArray[np.complex128]
+Floats = NDArray[np.float64]
 
 _BY_CHANCE = 0.1
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
@@ -47,6 +55,50 @@ _UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
     (1, "current_unbalance_zero_percent", "zero"),
 )
 _SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
+
+
+@dataclass(frozen=True)
+class _Sequence:
+    """A symmetrical component in the frame of the fundamental: `samples`, shape (n,), equally far apart in
+    angle, whose mean is its phasor."""
+
+    samples: Phasors
+    periods: int
+
+    @cached_property
+    def magnitude(self) -> float:
+        return float(abs(np.mean(self.samples)))
+
+    @cached_property
+    def turned(self) -> _Sequence:
+        """Along its mean, which then is real."""
+        if not self.magnitude > 0.0:
+            return self
+        return replace(self, samples=self.samples * (np.conj(np.mean(self.samples)) / self.magnitude))
+
+    @cached_property
+    def of_periods(self) -> Phasors:
+        """The means of its periods, shape (periods,)."""
+        return np.asarray(np.mean(self.samples.reshape(self.periods, -1), axis=1))
+
+    @cached_property
+    def along(self) -> tuple[float, MeanError]:
+        """By how much the incomplete cycles of a swing move the real part of its mean, and its error."""
+        mean, error = self._error_of(self.samples.real, self.of_periods.real)
+        return float(np.mean(self.of_periods.real)) - mean, error
+
+    @cached_property
+    def across(self) -> MeanError:
+        """The error of the imaginary part of its mean."""
+        return self._error_of(self.samples.imag, self.of_periods.imag)[1]
+
+    def _error_of(self, samples: Floats, of_periods: Floats) -> tuple[float, MeanError]:
+        """Return a mean and its error by periods, less what these cut out of noise that a control of the
+        current keeps away from the fundamental."""
+        mean, error = mean_of_periods(of_periods)
+        if error.is_continued:  # the lowest frequencies have less than it is at zero
+            return mean, error
+        return mean, without_oscillations(means_of_blocks(samples, self.periods), error)
 
 
 @dataclass(frozen=True)
@@ -93,14 +145,13 @@ def current_unbalance(
     parts = [known[name] for name in channels]
     first = parts[0]
     turn = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
-    phases = np.array(
-        [2.0 / first.per_period * (each.values.reshape(first.periods, -1) @ turn) for each in parts]
-    )
     a = np.exp(2j * np.pi / 3.0)
-    sequences = np.array([[1.0, a, a**2], [1.0, a**2, a], [1.0, 1.0, 1.0]]) @ phases / 3.0
-    if abs(np.mean(sequences[0])) < abs(np.mean(sequences[1])):
+    of_phases = np.array([[1.0, a, a**2], [1.0, a**2, a], [1.0, 1.0, 1.0]]) / 3.0
+    rotating = of_phases @ np.array([2.0 * np.tile(turn, first.periods) * each.values for each in parts])
+    if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
-        sequences = sequences[[1, 0, 2]]
+        rotating = rotating[[1, 0, 2]]
+    sequences = [_Sequence(each, first.periods) for each in rotating]
     steps = _of_steps(parts, columns)
     positive = _component(sequences[0], steps, beside=sequences[1])
     beside = [_component(each, steps, sequences[0]) for each in sequences[1:]]
@@ -116,7 +167,7 @@ def current_unbalance(
         gaps=0,
     )
     reason = next(filter(None, map(clipping, columns)), "")
-    reason = reason or change_of_regime(np.abs(sequences[0]), "the positive-sequence current")
+    reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
 
 
@@ -137,18 +188,17 @@ def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.flo
 
 
 def _component(
-    phasors: Phasors, steps: float = 0.0, reference: Phasors | None = None, beside: Phasors | None = None
+    sequence: _Sequence, steps: float, reference: _Sequence | None = None, beside: _Sequence | None = None
 ) -> _Component:
     """Return the magnitude of the mean; as the numerator of a ratio to that of a `reference`, with the budget
     of the ratio times the latter: what both do alike cancels in it. A sequence `beside` it has as much of the
     noise of the three currents, and nothing of a phase that wanders."""
-    turned, magnitude = _turned(phasors)
-    base, size = _turned(phasors if reference is None else reference)
-    if reference is not None and size > 0.0:
-        turned = turned - magnitude / size * base.real
-    about_swing, along = mean_of_periods(turned.real)
-    moved, across = about_swing - float(np.mean(turned.real)), mean_of_periods(turned.imag)[1]
-    if is_memory_untold(turned.real, turned.imag):
+    turned, magnitude = sequence.turned, sequence.magnitude
+    if reference is not None and reference.magnitude > 0.0:
+        common = magnitude / reference.magnitude * reference.turned.samples.real
+        turned = replace(turned, samples=turned.samples - common)
+    (moved, along), across, of_periods = turned.along, turned.across, turned.of_periods
+    if is_memory_untold(of_periods.real, of_periods.imag):
         along = MeanError(math.nan, along.dof)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
@@ -160,9 +210,9 @@ def _component(
     if along.standard < both.standard:
         along = both
     # of a phase that wanders by phi rms a mean is phi^2 / 2 shorter
-    lost = 0.5 * float(np.var(turned.imag)) / magnitude if of_phase is not across else 0.0
+    lost = 0.5 * float(np.var(of_periods.imag)) / magnitude if of_phase is not across else 0.0
     return _Component(
-        magnitude + moved,
+        magnitude - moved,
         magnitude,
         (
             along.line("scatter over periods"),
@@ -173,11 +223,10 @@ def _component(
     )
 
 
-def _without_wander(across: MeanError, beside: Phasors) -> MeanError:
+def _without_wander(across: MeanError, beside: _Sequence) -> MeanError:
     """Return the error across a phasor, or that of the sequence beside it where it is clearly less: then the
     phase wanders, which moves a magnitude in the second order alone."""
-    turned, _ = _turned(beside)
-    one, other = mean_of_periods(turned.real)[1], mean_of_periods(turned.imag)[1]
+    one, other = beside.turned.along[1], beside.turned.across
     noise = MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
     if not noise.standard > 0.0:
         return across
@@ -193,12 +242,6 @@ def _alike(component: _Component, positive: _Component) -> _Component:
     share = component.magnitude / positive.magnitude if positive.magnitude > 0.0 else 0.0
     common = Contribution("wander of the positive sequence", "A", share * standard, own.dof if own else 1.0)
     return replace(component, magnitude=steady * component.magnitude, budget=(*component.budget, common))
-
-
-def _turned(phasors: Phasors) -> tuple[Phasors, float]:
-    """Return phasors along their mean, and its magnitude."""
-    mean = complex(np.mean(phasors))
-    return (phasors * np.conj(mean) / abs(mean), abs(mean)) if mean else (phasors, 0.0)
 
 
 def _numbers(

@@ -136,3 +136,39 @@ def test_a_phase_that_wanders_from_period_to_period_moves_no_magnitude() -> None
     error, stated = np.transpose(errors)
     assert np.median(stated) < 1e-3
     assert 0.4 < float(np.sqrt(np.mean((error / stated) ** 2))) < 1.4
+
+
+def test_noise_that_a_control_keeps_away_from_the_fundamental_is_not_in_a_mean_of_periods() -> None:
+    """Of differences of white noise the mean over a record is that of both ends alone."""
+    random, per_period, periods = np.random.default_rng(12), 200, 20
+    theta = 2 * np.pi * np.arange(per_period * periods + 3) / per_period
+    relative = []
+    for _ in range(40):
+        space = random.standard_normal(len(theta) + 1) + 1j * random.standard_normal(len(theta) + 1)
+        current = (5.0 + 0.3 * np.diff(space)) * np.exp(1j * theta)
+        phases = {
+            name: np.real(current * np.exp(-2j * np.pi * k / 3))
+            for k, name in enumerate(("i_a", "i_b", "i_c"))
+        }
+        block = Block.from_arrays(10e3, dict.fromkeys(phases, "A"), **phases)
+        track = track_angle(np.mod(theta, 2 * np.pi), 1)
+        found = {each.name: each for each in current_unbalance(block, track)}["current_sequence_positive"]
+        assert found.uncertainty is not None
+        relative.append((found.value - 5.0) / found.uncertainty.standard)
+    assert 0.3 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.1 by the scatter over periods
+
+
+def test_a_swing_of_all_three_moves_no_component() -> None:
+    random = np.random.default_rng(13)
+    theta = 2 * np.pi * np.arange(200 * 50 + 3) / 200
+    swing = 1.0 + 0.04 * np.cos(3.3 * theta / 50 + 1.0)
+    phases = {
+        name: 5.0 * swing * np.cos(theta - 2 * np.pi * k / 3) + 0.01 * random.standard_normal(len(theta))
+        for k, name in enumerate(("i_a", "i_b", "i_c"))
+    }
+    block = Block.from_arrays(10e3, dict.fromkeys(phases, "A"), **phases)
+    track = track_angle(np.mod(theta, 2 * np.pi), 1)
+    found = {each.name: each for each in current_unbalance(block, track)}["current_sequence_positive"]
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard < 1e-3  # of a swing of 0.2 A
+    assert abs(found.value - 5.0) < 3.0 * found.uncertainty.standard
