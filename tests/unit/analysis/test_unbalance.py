@@ -155,7 +155,7 @@ def test_noise_that_a_control_keeps_away_from_the_fundamental_is_not_in_a_mean_o
         found = {each.name: each for each in current_unbalance(block, track)}["current_sequence_positive"]
         assert found.uncertainty is not None
         relative.append((found.value - 5.0) / found.uncertainty.standard)
-    assert 0.3 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.1 by the scatter over periods
+    assert 0.3 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.2 by the scatter over periods
 
 
 def test_a_swing_of_all_three_moves_no_component() -> None:
