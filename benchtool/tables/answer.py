@@ -19,6 +19,7 @@ from benchtool.tables.record import Record
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
+    numbers_in_head,
     other_frequency,
     overdue,
     remarks,
@@ -82,6 +83,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     tables = instruments.applied_to(tables)
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
+        *numbers_in_head(columns.table.layout),
         *units_assumed(columns.chosen),
         *remarks(record),
         *other_frequency(record, measurements),

@@ -8,12 +8,35 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from benchtool.tables.cells import BLANKS, is_number, kind_of_word
-from benchtool.tables.units import is_description, is_scale, is_unit
+from benchtool.tables.stamps import is_stamp
+from benchtool.tables.units import is_description, is_scale, is_unit, unit_factor
 
+BAR = "|"
+"""A delimiter that may stand at both ends of each line as well."""
+
+_BETWEEN_BARS = re.compile(r"\s*\|(.*)\|\s*")
 _BRACKETED = re.compile(r"\(.*\)|\[.*\]")
 _IN_BRACKETS = re.compile(r"\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>")
 _BRACKETS = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})")
 _RULE_SIGNS = frozenset("-=_+|:~* \t")
+_ASSIGNED = re.compile(r"[^=]+=[^=]*")
+_CHANNEL = re.compile(r"[0-9]{1,3}")
+_DATE = re.compile(r"[0-9]{1,4}[-/.][0-9]{1,2}[-/.][0-9]{1,4}")
+_REMARKS = frozenset(
+    (
+        "comment",
+        "comments",
+        "remark",
+        "remarks",
+        "note",
+        "notes",
+        "kommentar",
+        "bemerkung",
+        "commentaire",
+        "commento",
+    )
+)
+_IN_A_UNIT = re.compile(r"(.+?)\s+in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
 
@@ -23,9 +46,10 @@ class Column:
 
     What the name has in brackets is its unit, known or not (`[mA]`, `[counts]`, `[kp cm2]`), but for an index
     or words that describe the column: `Iq[0]` and `i (phase a)` have none. Of a quotient of quantity and unit
-    (`t/s`, `n/(1/min)`; ISO 80000-1:2022, 7.1.4) it is the latter. The cells of a column with `stamps` are
-    times of day, perhaps with a date, which count in seconds. `open_sign` may be the decimal sign, or stand
-    between thousands. `other_name` is what the head has instead of a unit, where that may be a name.
+    (`t/s`, `n/(1/min)`; ISO 80000-1:2022, 7.1.4), and of `t in ms`, it is the latter. The cells of a
+    column with `stamps` are times of day, perhaps with a date, which count in seconds. `open_sign` may be the
+    decimal sign, or stand between thousands. `other_name` is what the head has instead of a unit, where that
+    may be a name; `aliases` are what further lines of the head call the column.
     """
 
     name: str
@@ -33,9 +57,12 @@ class Column:
     stamps: bool = False
     open_sign: str = ""
     other_name: str = ""
+    aliases: tuple[str, ...] = ()
 
     def called(self, name: str) -> Column:
         """Return the column by its other name, if `name` is that."""
+        if name.strip() in self.aliases:
+            return replace(self, name=name.strip())
         if not self.other_name or name.strip().lower() != self.other_name.lower():
             return self
         return replace(self, name=self.other_name, unit=_unit_in(self.other_name), other_name="")
@@ -60,6 +87,8 @@ def split(line: str, delimiter: str) -> list[str]:
     """Return the cells of a line, without the blanks about them."""
     if delimiter == BLANKS:
         return line.split()
+    if delimiter == BAR and (match := _BETWEEN_BARS.fullmatch(line)):
+        line = match[1]
     if '"' in line:
         try:
             return [cell.strip() for row in csv.reader([line], delimiter=delimiter) for cell in row]
@@ -68,33 +97,108 @@ def split(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in line.split(delimiter)]
 
 
-def columns_of(preamble: Sequence[str], delimiter: str, width: int) -> tuple[Column, ...]:
+def columns_of(
+    preamble: Sequence[str], delimiter: str, used: int, width: int, *, is_labelled: bool = False
+) -> tuple[Column, ...]:
     """Return the names and units from the lines before the numbers; none where no line fits.
 
-    Of two lines right above each other that fit, the second holds units if most of it are units, or if any is
-    and the first is one of words alone; it may then hold other names.
+    A line fits that has a cell for each of the `used` first columns, or for all of `width`, or that has more
+    of which no column is asked for (`fitted`), and no cell that is a value, a date or a time. Lines right
+    above each other that fit are one head.
+
+    Of two lines right above each other the second holds units if most of it are units, or if any is
+    and the first is one of words alone; it may then hold other names. Below names and units may stand one
+    more line of words, as of the sensors. Where the first cell of each row is empty, and so that of the head
+    labels its lines (`is_labelled`), they need not be next to each other.
     """
-    fitting: list[list[str]] = []
+    found = _lines_of_names(preamble, delimiter, used, width, is_labelled=is_labelled)
+    if not found:
+        return ()
+    if is_labelled:
+        return _labelled(found)
+    if len(found) > 2 and are_units(found[1]) and _are_names(found[2]) and _are_bare_words(found[0]):
+        return tuple(
+            Column(name, unit.strip("()[] "), aliases=(alias,) if alias else ())
+            for alias, unit, name in zip(*found[:3], strict=True)
+        )
+    has_units = any(map(_is_unit_cell, found[0]))
+    if len(found) > 1 and has_units and (are_units(found[0]) or _are_words(found[1])):
+        below = [""] * width if are_units(found[0]) else found[0]
+        return tuple(
+            Column(name, unit.strip("()[] "), other_name=other)
+            for name, unit, other in zip(found[1], found[0], below, strict=True)
+        )
+    return tuple(Column(name, _unit_in(name)) for name in found[0])
+
+
+def _lines_of_names(
+    preamble: Sequence[str], delimiter: str, used: int, width: int, *, is_labelled: bool
+) -> list[list[str]]:
+    """Return the cells of the lines that may have names or units of the columns, the last line first, or
+    those of a line of nothing but numbers if there are no other ones."""
+    found: list[list[str]] = []
+    numbers: list[list[str]] = []
+    lengths_of_values: set[int] = set()
     for line in reversed(preamble):
         if not line.strip() or _is_rule(line.strip()):
             continue
-        cells = fitted(bare_line(line), delimiter, width)
-        if cells is None:
-            if fitting:
-                break
-            continue
-        fitting.append(cells)
-        if len(fitting) == 2 or not any(map(_is_unit_cell, cells)):
+        cells = _fitted_to(bare_line(line), delimiter, used, width, lengths_of_values)
+        if cells is not None and not _are_values(cells[:used]):
+            (numbers if all(has_number(cell) for cell in cells if cell) else found).append(cells)
+        elif (found or numbers) and not is_labelled:
             break
-    if not fitting:
+    return found or numbers[:1]
+
+
+def _fitted_to(
+    line: str, delimiter: str, used: int, width: int, lengths_of_values: set[int]
+) -> list[str] | None:
+    """Return the cells of a head line, `width` of them, or None where it does not fit.
+
+    Cells at its end that no row has are left out where they name no column: they are empty, numbers,
+    assignments (`tInc = 1e-4`), stand above numbers (`Increment`), or name a column of remarks, which most
+    rows end before. `lengths_of_values` are how many cells lines have that end in numbers, to which this one
+    is added.
+    """
+    for count in (used, width):
+        cells = fitted(line, delimiter, count)
+        if cells is not None:
+            return cells + [""] * (width - count)
+    cells = split(line, delimiter)
+    while cells and not cells[-1]:
+        del cells[-1]
+    further = [cell for cell in cells[used:] if cell]
+    is_above = len(cells) in lengths_of_values
+    are_numbers = all(has_number(cell) or _ASSIGNED.fullmatch(cell) for cell in further)
+    if further and any(cells[:used]):
+        if are_numbers:
+            lengths_of_values.add(len(cells))
+        if are_numbers or is_above or all(cell.lower() in _REMARKS for cell in further):
+            return cells[:used] + [""] * (width - used)
+    return None
+
+
+def _labelled(found: Sequence[Sequence[str]]) -> tuple[Column, ...]:
+    """Return the columns of a head whose first cells are labels of its lines, the last line first.
+
+    Of two lines of units one of times alone is that of the rows' distance.
+    """
+    units = [line for line in found if are_units(line[1:])]
+    units = [line for line in units if not _are_times(line[1:])] or units
+    of_columns = [" or ".join(dict.fromkeys(filter(None, cells))) for cells in zip(*units, strict=True)]
+    names = [line for line in found if not are_units(line[1:]) and _are_names(line[1:])]
+    distinct = [line for line in names if len(set(line[1:])) == len(line[1:])]
+    if not names:
         return ()
-    if len(fitting) == 2 and (are_units(fitting[0]) or _are_words(fitting[1])):
-        below = [""] * len(fitting[0]) if are_units(fitting[0]) else fitting[0]
-        return tuple(
-            Column(name, unit.strip("()[] "), other_name=other)
-            for name, unit, other in zip(fitting[1], fitting[0], below, strict=True)
+    name_line = (distinct or names)[0]
+    return tuple(
+        Column(
+            name,
+            (of_columns[place].strip("()[] ") if place and of_columns else "") or _unit_in(name),
+            aliases=tuple(line[place] for line in names if line is not name_line and line[place] and place),
         )
-    return tuple(Column(name, _unit_in(name)) for name in fitting[0])
+        for place, name in enumerate(name_line)
+    )
 
 
 def units_in(preamble: Sequence[str], delimiter: str) -> tuple[str, ...]:
@@ -137,7 +241,7 @@ def bare_line(line: str) -> str:
 
 def fitted(line: str, delimiter: str, width: int) -> list[str] | None:
     """Return the cells of a head line, one for each column, or None; its delimiter may not be the body's."""
-    ways = [split(line, delimiter), *(split(line, other) for other in ",;\t"), re.split(r"\s{2,}|\t", line)]
+    ways = [split(line, delimiter), *(split(line, other) for other in ",;\t|"), re.split(r"\s{2,}|\t", line)]
     if delimiter != BLANKS:  # one in brackets separates nothing: [mA; DC]
         outside = rf"{re.escape(delimiter)}(?![^\[]*\])(?![^(]*\))"
         ways.append([cell.strip() for cell in re.split(outside, line)])
@@ -168,6 +272,29 @@ def _is_unit_cell(cell: str) -> bool:
     return is_unit(cell.strip("()[] "))
 
 
+def _are_values(cells: Sequence[str]) -> bool:
+    """Return whether a line has a value, a date or a time: what names a column is a word, or a whole number
+    of few digits that no other column has."""
+    numbers = [cell for cell in cells if has_number(cell)]
+    are_counted = all(_CHANNEL.fullmatch(cell) for cell in numbers) and len(set(numbers)) == len(numbers)
+    return not are_counted or any(_DATE.fullmatch(cell) or is_stamp(cell) for cell in cells)
+
+
+def _are_names(cells: Sequence[str]) -> bool:
+    """Return whether a line of words has a name for more than half of the columns, none a number."""
+    filled = [cell for cell in cells if cell]
+    return 2 * len(filled) > len(cells) and not any(map(has_number, filled))
+
+
+def _are_bare_words(cells: Sequence[str]) -> bool:
+    """Return whether no cell of a line has a unit, by itself or in brackets."""
+    return not any(_is_unit_cell(cell) or _unit_in(cell) for cell in cells)
+
+
+def _are_times(cells: Sequence[str]) -> bool:
+    return all(unit_factor(cell.strip("()[] "), "s") is not None for cell in cells if cell)
+
+
 def _are_words(cells: Sequence[str]) -> bool:
     """Return whether every cell of a line is there and is a word: none a number, a unit or empty."""
     return not any(not cell or has_number(cell) or _is_unit_cell(cell) for cell in cells)
@@ -196,7 +323,10 @@ def _in_brackets(name: str) -> list[str]:
 
 
 def _quotient(name: str) -> tuple[str, str]:
-    """Return quantity and unit of a name that is a quotient of both, else the name and no unit."""
+    """Return quantity and unit of a name that is a quotient of both, or that is the one in the other (`C1 in
+    mA`), else the name and no unit."""
+    if (match := _IN_A_UNIT.fullmatch(name.strip())) and is_unit(match[2]):
+        return match[1], match[2]
     quantity, solidus, unit = (part.strip() for part in name.partition("/"))
     unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
     return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
 from benchtool.tables.cells import BLANKS, is_no_name, is_number, kind_of_word
+from benchtool.tables.first_rows import ROWS, lines_of_head
 from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import (
+    BAR,
     Column,
     are_units,
     bare_line,
@@ -34,6 +36,8 @@ _LAYOUTS = (
     (";", ","),
     ("\t", "."),
     ("\t", ","),
+    (BAR, "."),
+    (BAR, ","),
     (BLANKS, "."),
     (BLANKS, ","),
     (",", ","),
@@ -51,7 +55,8 @@ class Layout:
 
     `head` is the line nearest the numbers that is neither blank nor a comment where no line names the
     columns. Where `is_open`, the sample has the decimal sign, or the other one, only where one between
-    thousands might be. `head_units` are all units in the head, whether of a column or not.
+    thousands might be. `head_units` are all units in the head, whether of a column or not. `head_numbers`
+    is the last line of numbers right above the rows that was taken for one of the head.
     """
 
     delimiter: str
@@ -62,6 +67,7 @@ class Layout:
     head: str = ""
     is_open: bool = False
     head_units: tuple[str, ...] = ()
+    head_numbers: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         fewest = "at least two numbers" if timed else "numbers"
         raise RecordingError(
             f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of {fewest} "
-            f"are expected, separated by comma, semicolon, tab or blanks, times in seconds or as "
+            f"are expected, separated by comma, semicolon, tab, | or blanks, times in seconds or as "
             f"2026-01-31 23:59:59.5: export it as such"
         )
     delimiter, decimal, width, numeric = found.delimiter, found.decimal, found.width, found.numeric
@@ -132,20 +138,24 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         )
         if not rows[place]:
             break
-    # columns at the end that are empty in every line are delimiters that end a line
-    used = max((number for number, cells in enumerate(by_column, 1) if any(cells)), default=width)
+    # columns at the end that are empty in every row are delimiters that end a line
+    in_rows = [cells for cells in cells_of if _is_row(cells, delimiter, decimal, width, numeric)]
+    used = max((number for cells in in_rows for number, cell in enumerate(cells, 1) if cell), default=width)
+    # a first column that is empty in the rows has the labels of lines of the head
+    is_labelled = not numeric[0] and 2 * sum(not cells[0] for cells in in_rows) > len(in_rows)
+    bare = [is_row and not split(text, delimiter)[0] for is_row, text in zip(rows, texts, strict=True)]
+    rows = bare if is_labelled and any(bare) else rows
     head_lines = rows.index(True)
-    columns = columns_of(texts[:head_lines], delimiter, used)
-    if not columns:
-        head_lines = rows_below_names(texts, rows, delimiter, numeric) or head_lines
-        columns = columns_of(texts[:head_lines], delimiter, used)
-    if (
-        not columns
-        and _are_counted(split(texts[head_lines], delimiter), whole)
-        and any(rows[head_lines + 1 :])
-    ):
-        head_lines += 1
-        columns = columns_of(texts[:head_lines], delimiter, used)
+    places = [place for place in range(head_lines, len(rows)) if rows[place]][: ROWS + 3]
+    first = [split(texts[place], delimiter) for place in places]
+    columns = columns_of(texts[:head_lines], delimiter, used, width, is_labelled=is_labelled)
+    if not columns and (below := rows_below_names(texts, rows, delimiter, numeric)):
+        head_lines = below
+        columns = columns_of(texts[:head_lines], delimiter, used, width)
+    numbers = ""
+    if head_lines == places[0] and (count := lines_of_head(first, numeric, decimal, delimiter)):
+        head_lines, numbers = places[count], bare_line(texts[places[count - 1]])[:80]
+        columns = columns_of(texts[:head_lines], delimiter, used, width, is_labelled=is_labelled)
     last = "" if columns else _last_of(texts[:head_lines])
     if not columns and delimiter == "," and all(whole):
         _require_no_split_decimals(last, texts[head_lines], by_column, source)
@@ -160,13 +170,13 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     is_open = Use.NOTHING < max(use_of(decimal, cells) for cells in kept) < Use.DECIMALS
     is_open |= any(use_of(other, cells) == Use.EITHER for cells in kept)
     units = units_in(texts[:head_lines], delimiter)
-    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units)
+    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units, numbers)
 
 
 def _almost_a_number(sample: Sequence[bytes]) -> str:
     """Return a cell of the lines that only begins like a number, such as a date; empty if there is none."""
     for line in sample[1:]:
-        for delimiter in (",", ";", "\t", BLANKS):
+        for delimiter in (",", ";", "\t", BAR, BLANKS):
             cells = split(line.decode(errors="replace"), delimiter)
             for cell in cells if len(cells) > 1 else ():
                 if cell[:1].isdigit() and not has_number(cell):
@@ -277,14 +287,6 @@ def _is_first_row(
         return any(cell for cell, _ in wanted) and all(is_no_name(cell) for cell, _ in wanted)
     words = any(cell and kind_of_word(cell) is None for cell, _ in wanted if not has_number(cell))
     return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
-
-
-def _are_counted(cells: Sequence[str], whole: Sequence[bool]) -> bool:
-    """Return whether the cells number the columns (`0,1,2`), above values that are not whole."""
-    numbers = [cell for cell in cells if cell]
-    begin = int(numbers[0]) if numbers and re.fullmatch("[01]", numbers[0]) else -1
-    is_counted = len(numbers) > 1 and numbers == [str(begin + place) for place in range(len(numbers))]
-    return is_counted and len(cells) - len(numbers) <= 1 and not any(whole[len(cells) - len(numbers) :])
 
 
 def _is_whole(cells: Sequence[str]) -> bool:

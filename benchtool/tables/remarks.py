@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from benchtool.analysis import Measurement, clipping, resolution
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.head import Column
+from benchtool.tables.layout import Layout
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
 from benchtool.tables.selection import Selection
@@ -38,6 +39,7 @@ class RemarkKind(StrEnum):
     CALIBRATION_OVERDUE = "calibration_overdue"
     CALIBRATED_LATER = "calibrated_later"
     UNIT_ASSUMED = "unit_assumed"
+    NUMBERS_IN_HEAD = "numbers_in_head"
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,16 @@ def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iter
             f"the current's fundamental is at {found[0]:.4g} Hz, {what} with {pole_pairs} pole pairs says "
             f"{expected_Hz:.4g} Hz: check the units of time and speed, and the pole pairs{slips}",
         )
+
+
+def numbers_in_head(layout: Layout) -> Iterator[Remark]:
+    """Yield that a line of numbers right above the rows was taken for one of the head."""
+    if layout.head_numbers:
+        text = (
+            f"'{layout.head_numbers}' was taken for a line of the head: it does not continue the rows below, "
+            f"or is written in another way than all of them; if it is a row, write it as they are"
+        )
+        yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
 
 
 def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:

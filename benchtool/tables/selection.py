@@ -130,11 +130,12 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
         return int(match[1]) - 1 if 1 <= int(match[1]) <= len(columns) else None
     names = [column.name for column in columns]
     bare = [column.bare_name for column in columns]
-    others = [column.other_name for column in columns]
-    ways = [(names, wanted), (bare, wanted), (others, wanted)]
-    ways += [([name.lower() for name in spelt], wanted.lower()) for spelt in (names, bare, others)]
+    others = [(column.other_name, *column.aliases) for column in columns]
+    exact: list[list[tuple[str, ...]]] = [[(name,) for name in names], [(name,) for name in bare], others]
+    ways = [(spelt, wanted) for spelt in exact]
+    ways += [([tuple(map(str.lower, each)) for each in spelt], wanted.lower()) for spelt in exact]
     for spelt, name in ways:
-        places = [place for place, each in enumerate(spelt) if each == name != ""]
+        places = [place for place, each in enumerate(spelt) if name and name in each]
         if len(places) > 1:
             numbers = ", ".join(str(place + 1) for place in places)
             raise AnalysisError(

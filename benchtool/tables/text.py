@@ -17,6 +17,7 @@ from pyarrow import csv
 from benchtool.errors import RecordingError
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.grouping import Use, use_of
+from benchtool.tables.head import BAR
 from benchtool.tables.layout import Layout, find_layout
 from benchtool.tables.selection import Selection, selection_of
 from benchtool.tables.stamps import seconds_of
@@ -32,6 +33,7 @@ _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
 _BLANKS = re.compile(rb"[ \t]+")
 _LINE_ENDS = re.compile(rb"^ | $", re.MULTILINE)
+_OUTER_BARS = re.compile(rb"^[ \t]*\|(.*)\|[ \t]*$", re.MULTILINE)
 _NOT_A_NUMBER = (9.905e37, 9.915e37)
 # one byte for one: a non-ASCII byte is not part of a number, and a zero byte must not join its neighbours
 _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" ")) for byte in range(256))
@@ -201,6 +203,8 @@ class TextTable:
             body = body.translate(_ASCII_ONLY)
         if b"#" in body or b"%" in body:
             body = _COMMENT.sub(b"", body)
+        if self.layout.delimiter == BAR:
+            body = _OUTER_BARS.sub(rb"\1", body)
         if self.layout.delimiter == BLANKS:
             body = _LINE_ENDS.sub(b"", _BLANKS.sub(b" ", body))
         return body

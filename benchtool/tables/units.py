@@ -39,7 +39,8 @@ _INCHES_M: Mapping[str, float] = {"ft": 12 * _INCH_M, "in": _INCH_M}
 _AMBIGUOUS = frozenset(("gm", "pm"))  # gram and picometre
 _PREFIXES_10: Mapping[str, float] = {"d": 0.1, "c": 1e-2, "da": 10.0, "h": 100.0}
 _ELSEWHERE: Mapping[str, Mapping[str, float]] = {
-    "s": {"min": 60.0, "h": 3600.0, "d": 86400.0},
+    # of a time, S is no siemens; MS is left open
+    "s": {"min": 60.0, "h": 3600.0, "d": 86400.0, "S": 1.0, "mS": 1e-3, "uS": 1e-6, "nS": 1e-9},
     "rad": {
         "gon": math.pi / 200,
         "arcmin": math.pi / 10_800,
@@ -212,8 +213,8 @@ def unit_factor(text: str, unit: str) -> float | None:
 
 @cache
 def is_unit(text: str) -> bool:
-    """Return whether `text` is any unit that a head may state; d is an axis as well, and none."""
-    return text.strip() != "d" and any(unit_factor(text, unit) is not None for unit in KNOWN)
+    """Return whether `text` is any unit that a head may state; d is an axis and S a phase, and none."""
+    return text.strip() not in ("d", "S") and any(unit_factor(text, unit) is not None for unit in KNOWN)
 
 
 @cache
@@ -329,7 +330,7 @@ def _rotation(text: str) -> float | None:
 
 def _symbol(text: str) -> str:
     symbol = re.sub(r"(?<=[Nn])[.-](?=[mc])", "", text.strip().translate(_CHARACTERS))  # N.m, N-m, N-cm
-    word = symbol.lower()
+    word = re.sub(r"(?<=newton)[.-](?=met)", "", symbol.lower())
     for name, prefix in _PREFIXES.items():
         if word.startswith(name) and (unit := _word(word.removeprefix(name))) is not None:
             return prefix + unit
