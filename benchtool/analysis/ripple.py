@@ -138,12 +138,14 @@ def ripple_of_rows(
     per_revolution: int = 1,
     what: str = "signal",
     channel: str = "",
+    no_periods: str = "",
 ) -> tuple[Measurement, ...]:
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
     `begins`, shape (m + 1,), are the rows at which what repeats begins, the first 0, and the row after the
     last; `repeated` says what that is, `per_revolution` how many make a revolution. Messages name `channel`,
-    or `what` where it is not given.
+    or `what` where it is not given. `no_periods` is why nothing tells `begins`, where that is not for lack of
+    an angle, a current or a speed.
 
     Raises:
         AnalysisError: too short, not finite, or constant.
@@ -156,15 +158,17 @@ def ripple_of_rows(
         scatter = scatter_of_periods(samples, repeats, step)
     if scatter is not None:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
-    unknown = _without_periods(begins, repeated) if scatter is None else ""
+    unknown = _without_periods(begins, repeated, no_periods) if scatter is None else ""
     numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
     return tuple(numbers)
 
 
-def _without_periods(begins: NDArray[np.int64] | None, repeated: str = "electrical periods") -> str:
+def _without_periods(
+    begins: NDArray[np.int64] | None, repeated: str = "electrical periods", no_periods: str = ""
+) -> str:
     """Return why nothing tells how much numbers scatter."""
     if begins is None:
-        return "no angle, current or stated speed tells periods, whose scatter would tell it"
+        return no_periods or "no angle, current or stated speed tells periods, whose scatter would tell it"
     return (
         f"the record has {len(begins) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
         f"scatter: record longer"

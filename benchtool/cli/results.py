@@ -205,6 +205,8 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     output.table(title, columns, rows)
     if result.limits:
         output.sentence(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
+        for name, why in result.without_conformance.items():
+            output.sentence(f"no P of {name}: {why}", "dim")
     output.line(f"bundle: {result.bundle}")
 
 

@@ -19,6 +19,7 @@ from .limits import (
     Verdict as Verdict,
     Waived as Waived,
     missed as missed,
+    without_uncertainty as without_uncertainty,
     worst as worst,
 )
 from .model import (

@@ -155,12 +155,14 @@ class Limit(Section):
 
     def to_json(self, measured: Measurement | None) -> dict[str, Any]:
         """Return the bounds, the rule in words, the verdict on a measurement, and the probability of
-        conformance where that has an uncertainty."""
+        conformance where that has an uncertainty, else `conformance_reason`, why there is none."""
         value, uncertainty = (None, None) if measured is None else (measured.value, measured.uncertainty)
         document = self.model_dump(exclude_none=True)
         document |= {"rule": self.rule, "verdict": str(self.judge(value, uncertainty))}
         conformance = self.conformance(value, uncertainty)
-        return document if conformance is None else document | {"conformance": conformance}
+        if conformance is not None:
+            return document | {"conformance": conformance}
+        return document | {"conformance_reason": without_uncertainty(measured)}
 
     @property
     def bounds(self) -> str:
@@ -208,12 +210,21 @@ def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | No
     return Missed(name, verdict, f"{value}, {limit.shortfall(measured.value)}")
 
 
+def without_uncertainty(measured: Measurement | None) -> str:
+    """Return why a measurement, if there is one, has no value or no uncertainty."""
+    if measured is None:
+        return "it was not measured"
+    if not math.isfinite(measured.value):
+        return f"it is undefined ({measured.reason or measured.definition})"
+    why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
+    return f"its uncertainty is not known{why}"
+
+
 def _guarded(limit: Limit, measured: Measurement) -> str:
     """Return why a finite value does not pass a limit with a guard band."""
     uncertainty = measured.uncertainty
     if uncertainty is None or not math.isfinite(uncertainty.expanded):
-        why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
-        return f'its uncertainty is not known{why}, which margin = "U" of its limit {limit.bounds} needs'
+        return f'{without_uncertainty(measured)}, which margin = "U" of its limit {limit.bounds} needs'
     beyond = limit.shortfall(measured.value)
     place = beyond or f"{limit.headroom(measured.value):.3g} inside its limit {limit.bounds}"
     U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"

@@ -25,13 +25,14 @@ _GAPS = {0: "no gaps", 1: "1 gap"}
 @dataclass(frozen=True)
 class Bounds:
     """A limit as it is printed; `rule` is the decision rule in words, `conformance` the probability that the
-    limit is met, where the measurement has an uncertainty."""
+    limit is met, where the measurement has an uncertainty, and `no_conformance` why there is none."""
 
     least: float | None
     greatest: float | None
     rule: str
     verdict: Mark
     conformance: float | None = None
+    no_conformance: str = ""
 
     @property
     def text(self) -> str:
@@ -64,7 +65,12 @@ def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]
         ">P(conformance)",
         "verdict",
     )
-    return Section("Limits and verdicts", (Grid.of(headings, rows),))
+    notes = [
+        Text(f"No P(conformance) of {name}: {bounds.no_conformance.rstrip('.')}.", "note")
+        for name, bounds in limits.items()
+        if bounds.no_conformance
+    ]
+    return Section("Limits and verdicts", (Grid.of(headings, rows), *notes))
 
 
 def _limit_row(name: str, bounds: Bounds, measured: Measurement | None) -> tuple[str | Cell, ...]:

@@ -41,6 +41,7 @@ from benchtool.plan import (
     present_name,
     recorded_plan,
     targets,
+    without_uncertainty,
     worst,
 )
 from benchtool.profile import Motor
@@ -163,6 +164,12 @@ class Assessment:
         """Verdict of each limit; a limit on something that was not measured fails."""
         found = self.found
         return {name: _verdict(limit, found.get(name)) for name, limit in self.limits.items()}
+
+    @property
+    def without_conformance(self) -> Mapping[str, str]:
+        """Why limits have no such probability, by name."""
+        lacking = (name for name in self.limits if name not in self.conformances)
+        return {name: without_uncertainty(self.found.get(name)) for name in lacking}
 
     @property
     def conformances(self) -> Mapping[str, float]:

@@ -94,6 +94,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         begins=begins,
         repeated=repeated,
         what=channel.name,
+        no_periods=periods.hidden,
     ):
         number = replace(each, definition=f"{each.definition}{rows}")
         if record.lost.within and math.isfinite(number.value):

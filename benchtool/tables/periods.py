@@ -60,6 +60,18 @@ class Periods:
             return None, ""
         return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
 
+    @property
+    def hidden(self) -> str:
+        """Why a current or a stated speed, which would tell periods, does not; empty for another reason."""
+        stated = self.record.question.omega_m_rad_s is not None
+        if self.record.uniform is not None or not (stated or "current" in self.record.channels):
+            return ""
+        by = "the stated speed" if stated else "the current"
+        return (
+            f"{self.record.uneven}: {by} tells no periods of such rows, whose scatter would tell it; an "
+            f"angle tells revolutions of any rows"
+        )
+
     def _at_stated_speed(self) -> tuple[NDArray[np.int64] | None, str]:
         """Return the rows at which periods begin at the constant speed that was stated, if there is one."""
         uniform, question = self.record.uniform, self.record.question

@@ -7,13 +7,13 @@ import re
 from dataclasses import dataclass
 
 from benchtool.errors import AnalysisError
-from benchtool.tables.units import unit_factor
+from benchtool.tables.units import unit_factor, units_of
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _SCALING = re.compile(
     rf"(?P<unit>[^*]*?)\s*(?:\*\s*(?P<gain>[+-]?{_NUMBER}))?\s*(?P<offset>[+-]\s*{_NUMBER})?"
 )
-_VALUE = re.compile(rf"(?P<number>[+-]?{_NUMBER})\s*(?P<unit>[^\d\s.+-].*)")
+_VALUE = re.compile(rf"(?P<number>[+-]?{_NUMBER})(?:\s*(?P<unit>[^\d\s.+-].*)|\s+(?P<per>1\s*/.*))?")
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,35 @@ def scaling(text: str, si_unit: str) -> Scaling:
 
 
 def quantity(text: str, si_unit: str) -> float | None:
-    """Return a number with its unit, as `1500rpm`, in `si_unit`; None where it is not one."""
+    """Return a number with its unit, as `1500rpm` or `750 1/min`, in `si_unit`; None where it is not one, or
+    may be another one (`7501/min`)."""
     match = _VALUE.fullmatch(text.strip())
-    factor = None if match is None else unit_factor(match["unit"], si_unit)
+    if match is not None and _is_joined(match):
+        return None
+    factor = None if match is None else unit_factor(match["unit"] or match["per"] or "", si_unit)
     return None if match is None or factor is None else float(match["number"]) * factor
+
+
+def _is_joined(match: re.Match[str]) -> bool:
+    """Return whether the last digit of a number may be the one of a unit 1/min."""
+    return match["number"].endswith("1") and (match["unit"] or "").startswith("/")
+
+
+def speed_hint(text: str) -> str:
+    """Return how a constant speed is stated, where a text that names no column may have been meant as one;
+    empty where it does not begin with a number."""
+    match = _VALUE.fullmatch(text.strip())
+    if match is None:
+        return ""
+    number, unit = match["number"], match["unit"] or match["per"] or ""
+    if _is_joined(match):
+        blank = f", or a constant speed with a blank before its unit, as '{number[:-1]} 1{unit}'"
+        return f"{blank} or '{number} 1{unit}'"
+    if unit and unit_factor(unit, "Hz") is not None:
+        turns = float(number) * float(unit_factor(unit, "Hz") or 1.0)
+        return (
+            f", or a constant speed, as '{turns:.12g}rev/s' or '{60.0 * turns:.12g}rpm' if '{unit}' counts "
+            f"the shaft's revolutions and not the current's periods"
+        )
+    units = f": one of {units_of('rad/s')}, 1/min" if unit else ""
+    return f", or a constant speed with its unit, as '{number}rpm'{units}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchtool.errors import AnalysisError
 from benchtool.tables.head import Column
 from benchtool.tables.layout import Layout
-from benchtool.tables.scaling import Scaling, scaling
+from benchtool.tables.scaling import Scaling, scaling, speed_hint
 from benchtool.tables.units import PERCENT, is_reciprocal_second, unit_behind, unit_factor, units_of
 
 _SPEED = "rad/s"
@@ -43,11 +43,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
         number, stated = _find(path, layout, name), scaling(behind, si_unit)
         wanted = name
     if number is None:
-        constant = f", or a constant speed with its unit, as '{wanted.strip()}rpm'"
-        is_constant = si_unit == _SPEED and re.fullmatch(r"[+-]?[0-9.]+", wanted.strip())
+        constant = speed_hint(wanted) if si_unit == _SPEED else ""
         raise AnalysisError(
-            f"{path} has no column '{wanted}', {_listed(layout)}: give a name or a number"
-            f"{constant if is_constant else ''}"
+            f"{path} has no column '{wanted}', {_listed(layout)}: give a name or a number{constant}"
         )
     column = layout.columns[number].called(wanted)
     asked = stated.unit or si_unit

@@ -176,6 +176,8 @@ class LimitDocument(Document):
     """Verdict on the measurement."""
     conformance: float | None = None
     """Probability that the true value lies within the bounds."""
+    conformance_reason: str | None = None
+    """Why there is no such probability: value or uncertainty are not known."""
     requirement: str | None = None
     """Requirement that the limit is evidence for."""
     waived: dict[str, str] | None = None

@@ -299,6 +299,16 @@ def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
 def _jump(seen: Wander, name: str) -> str:
     if not seen.jump_rad:
         return ""
+    if seen.jumps_alone:
+        slipped = (
+            "the encoder, its coupling or belt slipped, or lost counts"
+            if seen.by_angle
+            else "rows are missing"
+        )
+        return (
+            f"the phase of {name} jumps by {seen.jump_rad:.2g} rad from one period to the next, and its "
+            f"amplitude and frequency stay: {slipped}, or the load changed; choose a window without it"
+        )
     return (
         f"the phase of {name} jumps by {seen.jump_rad:.2g} rad from one period to the next: it reversed, "
         f"stood still or changed its load; choose a window in steady state"

@@ -31,6 +31,7 @@ from benchtool.analysis.spectra.spectrum import (
 _LEFT_RAD = 3e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _FAR_OFF_RAD = 0.05
 _BY_CHANCE = 1e-4
+_FEWEST_AT_SIDE = 3
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _BEYOND = 3  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
@@ -52,9 +53,10 @@ class Wander:
     and phase alike, or that the harmonics repeat; 0 where it may be noise. `undecided_rad` is as much as they
     may repeat besides. `noise_rad` is what noise does to one period's phase. `jump_rad`
     is the largest change of phase from period to period where it stands out of all others, else 0: no
-    smooth track explains it. `of_angle`, shape (harmonics,), is the standard uncertainty of each amplitude by
-    what a measured angle does in every period alike, which may be the rotor's or an error of its sensor;
-    empty where there is no such doubt.
+    smooth track explains it. `jumps_alone` says that amplitude and frequency are the same on both sides of
+    it, `by_angle` that the track is that of an angle. `of_angle`, shape (harmonics,), is the standard
+    uncertainty of each amplitude by what a measured angle does in every period alike, which may be the
+    rotor's or an error of its sensor; empty where there is no such doubt.
     """
 
     phase_rad: NDArray[np.float64]
@@ -62,6 +64,8 @@ class Wander:
     excess_rad: float
     noise_rad: float
     jump_rad: float = 0.0
+    jumps_alone: bool = False
+    by_angle: bool = False
     of_angle: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     undecided_rad: float = 0.0
 
@@ -94,7 +98,15 @@ def wander(coherent: CoherentSamples) -> Wander:
         and fisher_above(freedom, freedom, ratio) < _BY_CHANCE
     ):
         excess = math.sqrt(of_phase - of_amplitude)
-    return Wander(phase_rad, amplitude, excess, math.sqrt(of_amplitude), _jump_rad(steps))
+    jump_rad = _jump_rad(steps)
+    return Wander(
+        phase_rad,
+        amplitude,
+        excess,
+        math.sqrt(of_amplitude),
+        jump_rad,
+        jump_rad > 0.0 and _jumps_alone(steps, amplitude),
+    )
 
 
 def _jump_rad(steps: NDArray[np.float64]) -> float:
@@ -104,6 +116,39 @@ def _jump_rad(steps: NDArray[np.float64]) -> float:
     away = np.abs(steps - np.median(steps))
     largest, usual = float(np.max(away)), float(np.median(away)) / _MEDIAN_DEVIATION
     return largest if largest > max(_LEAST_JUMP_RAD, _FAR * usual) else 0.0
+
+
+def _jumps_alone(steps: NDArray[np.float64], amplitude: NDArray[np.float64]) -> bool:
+    """Return whether the fundamental is the same on both sides of its largest step, but for the step.
+
+    Mean amplitudes and frequencies may differ by what they scatter, as of differences of two means, and by a
+    hundredth of the amplitude, a tenth of the step over the periods on one side. A period with a jump in its
+    middle shows half of it in either step, and its cosine in the amplitude; one in which the machine stood
+    still has less.
+    """
+    at = int(np.argmax(np.abs(steps - np.median(steps))))
+    sides = [slice(0, max(0, at - 1)), slice(at + 2, None)]
+    parts = [(steps[side], amplitude[side]) for side in sides]
+    if min(len(each) for each, _ in parts) < _FEWEST_AT_SIDE:
+        return False
+    jump_rad = float(steps[at] - np.median(steps))
+    (before, low), (after, high) = parts
+    middle = float(np.median(amplitude))
+    turned_rad = abs(float(np.median(after) - np.median(before))) * min(len(before), len(after))
+    is_through = float(np.min(amplitude[max(0, at - 1) : at + 3])) > 0.98 * middle * math.cos(
+        min(abs(jump_rad), 0.5 * math.pi)
+    )
+    change = abs(float(np.mean(high) - np.mean(low)))
+    scatter = math.hypot(*(float(np.std(each)) / math.sqrt(len(each)) for each in (low, high)))
+    return (
+        is_through
+        and change < max(3.0 * scatter, 0.01 * middle)
+        and (turned_rad < max(3.0 * _scatter_of_phase(before, after), 0.1 * abs(jump_rad)))
+    )
+
+
+def _scatter_of_phase(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
+    return math.hypot(float(np.std(before)), float(np.std(after))) * math.sqrt(min(len(before), len(after)))
 
 
 def follow(
@@ -137,7 +182,7 @@ def follow(
             continue
         within = within_periods(found.phasors, by_angle.phasors)
         found, doubt = by_angle if within.are_of_rotor else found, within.standard
-    jump_rad = found.seen.jump_rad
+    jump_rad, jumps_alone = found.seen.jump_rad, found.seen.jumps_alone
     by_tone = _followed(samples, sample_rate_Hz, found, name)
     if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
@@ -148,6 +193,8 @@ def follow(
         by_tone.seen,
         excess_rad=by_tone.excess_rad,
         jump_rad=jump_rad,
+        jumps_alone=jumps_alone,
+        by_angle=track.residual_rad is not None,
         of_angle=doubt,
         undecided_rad=by_tone.undecided_rad,
     )

@@ -40,7 +40,12 @@ def case_bounds(result: Assessment) -> dict[str, Bounds]:
     """Return the limits of a case as they are printed."""
     return {
         name: Bounds(
-            limit.min, limit.max, limit.rule, mark(result.verdicts[name]), result.conformances.get(name)
+            limit.min,
+            limit.max,
+            limit.rule,
+            mark(result.verdicts[name]),
+            result.conformances.get(name),
+            result.without_conformance.get(name, ""),
         )
         for name, limit in result.limits.items()
     }

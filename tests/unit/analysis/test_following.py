@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -204,6 +206,30 @@ def test_a_phase_that_jumps_is_told_from_one_that_swings() -> None:
         assert (seen.jump_rad > 0.0) == jumps
         reason = soundness(spectrum_of_samples(samples), seen, "", "i_a").of_ratios
         assert reason.startswith("the phase of i_a jumps by 0.8 rad") == jumps
+
+
+@pytest.mark.parametrize(
+    ("phase", "gain", "alone"),
+    [
+        (lambda n: 0.2 * (n >= 12) + 0.2 * (n >= 27), lambda _: 1.0, True),
+        (lambda n: -0.3 * (n >= 20), lambda _: 1.0, True),
+        (lambda n: 0.3 * (n >= 20), lambda n: np.where(n >= 20, 1.05, 1.0), False),  # another load
+        (lambda n: np.where(n >= 20, 0.4 + 0.01 * (n - 20), 0.0), lambda _: 1.0, False),  # another speed
+        (lambda n: 0.3 * (n >= 20), lambda n: np.where(n == 19, 0.6, 1.0), False),  # stood still
+    ],
+)
+def test_a_jump_alone_names_an_encoder_that_slipped(
+    phase: Callable[[Array], Array], gain: Callable[[Array], Array], alone: bool
+) -> None:
+    period = np.arange(40.0)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(40)
+    turn = np.repeat(phase(period) + noise, 100)
+    values = np.repeat(gain(period) * np.ones(40), 100) * np.cos(2.0 * np.pi * np.arange(4000) / 100 + turn)
+    samples = CoherentSamples(values, 40, 4000.0, RATE_HZ)
+    seen = replace(wander(samples), by_angle=True)
+    assert seen.jumps_alone == alone
+    reason = soundness(spectrum_of_samples(samples), seen, "", "i_a").of_ratios
+    assert ("the encoder, its coupling or belt slipped" in reason) == alone
 
 
 def test_a_current_that_reverses_at_its_greatest_is_told_by_its_harmonics() -> None:

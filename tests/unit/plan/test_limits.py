@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -104,6 +105,7 @@ def test_the_rule_is_stated() -> None:
         "margin": 0.0,
         "rule": "simple acceptance",
         "verdict": "fail",
+        "conformance_reason": "it was not measured",
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
     assert str(missed("x", Limit(max=2.0, margin="U"), measured)) == (
@@ -144,3 +146,24 @@ def test_a_key_states_the_unit_and_no_two_may_differ() -> None:
             Limit.model_validate(table)
     with pytest.raises(ValidationError, match="each states the same: leave one out"):
         Limit.model_validate({"max": 1.0, "max_Nm": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("measured", "reason"),
+    [
+        (None, "it was not measured"),
+        (Measurement.undefined("x", "Nm", "", "no sinusoid"), "it is undefined (no sinusoid)"),
+        (
+            Measurement("x", 1.0, "Nm", "", uncertainty_reason="too few periods"),
+            "its uncertainty is not known (too few periods)",
+        ),
+        (Measurement("x", 1.0, "Nm", ""), "its uncertainty is not known"),
+    ],
+)
+@pytest.mark.parametrize("margin", [0.0, "U"])
+def test_a_limit_without_a_probability_says_why(
+    measured: Measurement | None, reason: str, margin: float | Literal["U"]
+) -> None:
+    document = Limit(max=2.0, margin=margin).to_json(measured)
+    assert document["conformance_reason"] == reason
+    assert "conformance" not in document

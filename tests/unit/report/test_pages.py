@@ -273,6 +273,13 @@ def test_a_limit_on_what_was_not_measured_says_so() -> None:
     ]
 
 
+def test_a_limit_without_a_probability_of_conformance_says_why() -> None:
+    bounds = Bounds(None, 1.0, "simple acceptance", "pass", no_conformance="its uncertainty is not known")
+    _, note = limits_section([Measurement("x", 0.5, "Nm", "")], {"x": bounds}).items
+    assert isinstance(note, Text)
+    assert note.text == "No P(conformance) of x: its uncertainty is not known."
+
+
 def test_any_table_is_shown() -> None:
     table = Table(
         "orders", "amplitude by order", (("order", ""), ("amplitude", "A")), ((1.0, 0.5), (2.0, float("nan")))

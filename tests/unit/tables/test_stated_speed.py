@@ -11,6 +11,7 @@ from benchtool.analysis import Measurement
 from benchtool.profile import Bench, Sensor
 from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.remarks import RemarkKind
+from benchtool.tables.scaling import quantity, speed_hint
 
 SPEED_RAD_S = 80.0
 MEAN_NM, RIPPLE_NM = 2.0, 0.1
@@ -117,3 +118,49 @@ def test_a_fundamental_elsewhere_than_the_stated_speed_says_is_told(
         text = answer.remarks[0].text
         assert "is at 50.93 Hz, the stated speed with 4 pole pairs says" in text
         assert ("slips" in text) == (speed_rad_s < SPEED_RAD_S)
+
+
+@pytest.mark.parametrize(
+    "stated", ["750rpm", "750 rpm", "750 1/min", "12.5 1/s", "12.5rev/s", "-750 1 / min"]
+)
+def test_a_constant_speed_with_its_unit(stated: str) -> None:
+    found = quantity(stated, "rad/s")
+    assert found is not None
+    assert abs(found) == pytest.approx(750.0 * np.pi / 30.0)
+
+
+@pytest.mark.parametrize("column", ["7501/min", "750", "12.5Hz", "n", "2", "750.5.1rpm"])
+def test_what_may_be_a_column_is_no_constant_speed(column: str) -> None:
+    assert quantity(column, "rad/s") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("750", "as '750rpm'"),
+        ("750rpx", "as '750rpm': one of rad/s, "),
+        ("12.5Hz", "as '12.5rev/s' or '750rpm' if 'Hz' counts the shaft's revolutions"),
+        ("7501/min", "as '750 1/min' or '7501 1/min'"),
+        ("n_1", ""),
+    ],
+)
+def test_a_speed_that_is_no_column_is_told_its_units(text: str, hint: str) -> None:
+    assert hint in speed_hint(text)
+    assert bool(hint) == bool(speed_hint(text))
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_uneven_stamps_are_the_reason_for_no_periods(tmp_path: Path, stated: bool) -> None:
+    random = np.random.default_rng(3)
+    time_s = np.arange(3_000) / 2_000.0 + random.normal(0.0, 2e-5, 3_000)
+    torque, current = 2.0 + 0.1 * np.cos(480.0 * time_s), np.cos(240.0 * time_s)
+    path = tmp_path / "uneven.csv"
+    np.savetxt(path, np.column_stack([time_s, torque, current]), "%.9g", ",")
+    columns = {"torque": "2"} if stated else {"torque": "2", "current": "3"}
+    speed_rad_s = SPEED_RAD_S if stated else None
+    answer = analyze_table(TableQuestion(path, "1", columns, omega_m_rad_s=speed_rad_s))
+    reasons = {each.name: each.uncertainty_reason for each in answer.measurements}
+    by = "the stated speed" if stated else "the current"
+    for name in ("torque_mean", "torque_ripple_pp"):
+        assert "the time stamps are not even" in reasons[name]
+        assert f"{by} tells no periods of such rows" in reasons[name]
