@@ -143,8 +143,8 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     used = max((number for cells in in_rows for number, cell in enumerate(cells, 1) if cell), default=width)
     # a first column that is empty in the rows has the labels of lines of the head
     is_labelled = not numeric[0] and 2 * sum(not cells[0] for cells in in_rows) > len(in_rows)
-    bare = [is_row and not split(text, delimiter)[0] for is_row, text in zip(rows, texts, strict=True)]
-    rows = bare if is_labelled and any(bare) else rows
+    if is_labelled:
+        rows = _below_labels(texts, rows, delimiter)
     head_lines = rows.index(True)
     places = [place for place in range(head_lines, len(rows)) if rows[place]][: ROWS + 3]
     first = [split(texts[place], delimiter) for place in places]
@@ -287,6 +287,15 @@ def _is_first_row(
         return any(cell for cell, _ in wanted) and all(is_no_name(cell) for cell, _ in wanted)
     words = any(cell and kind_of_word(cell) is None for cell, _ in wanted if not has_number(cell))
     return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
+
+
+def _below_labels(texts: Sequence[str], rows: Sequence[bool], delimiter: str) -> list[bool]:
+    """Return which lines are rows: of those with a label in the first cell only the ones right above the rows
+    without, as of an oscilloscope that writes its settings beside them."""
+    bare = [is_row and not split(text, delimiter)[0] for is_row, text in zip(rows, texts, strict=True)]
+    first = bare.index(True) if any(bare) else 0
+    others = [place for place in range(first) if not rows[place] and texts[place].strip()]
+    return [is_row and place > max(others, default=-1) for place, is_row in enumerate(rows)]
 
 
 def _is_whole(cells: Sequence[str]) -> bool:

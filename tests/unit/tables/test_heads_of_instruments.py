@@ -295,6 +295,12 @@ def test_what_stays_refused_says_what_to_do(tmp_path: Path, head: str, asked: st
         found.select(asked, "s" if asked == "Time" else "A")
 
 
+def test_settings_beside_the_first_rows_take_none_of_them(tmp_path: Path) -> None:
+    labels = ("Record Length,60,,", "Sample Interval,1.0e-04,,", "Trigger Point,30,,")
+    rows = [f"{labels[place] if place < 3 else ',,,'}{joined()(place)}" for place in range(COUNT)]
+    read(table(tmp_path, "", rows.__getitem__), "4", "5", "6")
+
+
 def test_units_of_two_labelled_lines_that_differ_are_open(tmp_path: Path) -> None:
     head = "name,t,i,T\nunit,s,mA,Nm\nstored,s,A,Nm\n"
     found = table(tmp_path, head, joined(before=","))
