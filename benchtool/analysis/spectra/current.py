@@ -35,12 +35,13 @@ from benchtool.analysis.spectra.harmonics import (
     line_errors,
 )
 from benchtool.analysis.spectra.interharmonics import (
-    Interharmonics,
-    interharmonics,
+    between_harmonics,
+    noise_of_fit,
     scatter_of_phases,
     without,
 )
 from benchtool.analysis.spectra.modulation import apart_in_time, phase_noise_rad
+from benchtool.analysis.spectra.moving_tones import Course, course_of
 from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
 from benchtool.analysis.spectra.spectrum import (
@@ -99,13 +100,18 @@ def current_spectrum(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
     spectrum = spectrum_of(coherent)
-    others = interharmonics(spectrum, len(coherent.values))
+    turns = _turns(track, len(samples))
+    course = course_of(turns, FIRST_ROW, coherent)
+    others = between_harmonics(coherent, spectrum, course)
     by_signal = track.residual_rad is None and track.departure is None
     if others is not None and by_signal:  # which pull at the fit of its frequency
-        track = _track_without(others, samples, coherent, track, channel)
+        passed = (np.arange(len(samples)) - FIRST_ROW) / coherent.samples
+        track = track_tone(samples - others.at(Course(turns / coherent.periods, passed)), channel)
         coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
         spectrum = spectrum_of(coherent)
-        others = interharmonics(spectrum, len(coherent.values))
+        turns = _turns(track, len(samples))
+        course = course_of(turns, FIRST_ROW, coherent)
+        others = between_harmonics(coherent, spectrum, course)
         by_signal = track.departure is None
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
@@ -115,15 +121,23 @@ def current_spectrum(
     sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    cleaned = coherent if others is None else without(coherent, others)
+    cleaned = coherent if others is None else without(coherent, others, course)
     clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen.first(coherent.periods) if others is None else wander(cleaned)
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
-    turns = _turns(track, np.arange(len(samples), dtype=np.float64))
     level = level_of(samples, step)
     errors = line_errors(
-        clean, highest, wander_rad, step, alone.amplitude, alone.phase_rad, turns, level, seen.of_angle
+        clean,
+        highest,
+        wander_rad,
+        step,
+        alone.amplitude,
+        alone.phase_rad,
+        turns,
+        level,
+        seen.of_angle,
+        None if others is None else noise_of_fit(others, clean, highest, len(coherent.values)),
     )
     in_time = apart_in_time(seen.amplitude[: coherent.periods], turns)
     errors = replace(errors, wander=np.maximum(errors.wander, in_time * harmonics(clean)[:highest]))
@@ -134,7 +148,7 @@ def current_spectrum(
     is_like_it = others is not None and (track.departure is None or not len(others.places))
     if others is not None and groups is not None and is_like_it:
         of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
-        scatter = scatter_of_phases(clean, others, groups, len(coherent.values))
+        scatter = scatter_of_phases(clean, others, groups, course)
         beside = None if of_lines is None else Beside(cleaned, of_lines, *scatter)
     found = (
         frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
@@ -163,22 +177,10 @@ def current_spectrum(
     return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
 
 
-def _track_without(
-    others: Interharmonics,
-    samples: NDArray[np.float64],
-    coherent: CoherentSamples,
-    track: PhaseTrack,
-    name: str,
-) -> PhaseTrack:
-    """Return the track of the signal less what was found between its harmonics."""
-    steps = _turns(track, np.arange(len(samples), dtype=np.float64)) * coherent.per_period
-    return track_tone(samples - others.at(steps, len(coherent.values)), name)
-
-
-def _turns(track: PhaseTrack, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the periods from the first of the spectrum to sample numbers, both of shape (n,)."""
+def _turns(track: PhaseTrack, count: int) -> NDArray[np.float64]:
+    """Return the periods from the first of the spectrum to each of `count` rows, shape (count,)."""
     begin = track.at(np.array([float(FIRST_ROW)]))
-    return np.asarray((track.at(numbers) - begin) / (2.0 * np.pi))
+    return np.asarray((track.at(np.arange(count, dtype=np.float64)) - begin) / (2.0 * np.pi))
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:
@@ -276,7 +278,7 @@ def _of_largest(
         Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
         Contribution("largest of many bins of noise, or of lines by a converter", "B", bias),
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
-        Contribution("wander of the phase and resolution", "B", _beside(errors, nearest)),
+        Contribution("wander of the phase, resolution, tones nearby", "B", _beside(errors, nearest)),
         Contribution(
             "wander of the amplitude", "A", 0.0 if place % spectrum.periods else errors.wander[nearest]
         ),
@@ -285,7 +287,8 @@ def _of_largest(
 
 
 def _beside(errors: LineErrors, index: int) -> float:
-    return math.hypot(float(errors.phase[index]), float(errors.resolution[index]))
+    found = (errors.phase[index], errors.resolution[index], errors.fit[index])
+    return math.hypot(*(float(each) for each in found))
 
 
 def _noise(

@@ -65,6 +65,7 @@ class LineErrors:
     resolution: NDArray[np.float64]
     steps2: NDArray[np.float64]
     wander: NDArray[np.float64]
+    fit: NDArray[np.float64]
     trend: AmplitudeTrend | None = None
     steps: RepeatedSteps | None = None
 
@@ -72,6 +73,7 @@ class LineErrors:
     def standard(self) -> NDArray[np.float64]:
         """Combined standard uncertainty of each amplitude."""
         squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2 + self.wander**2
+        squares += self.fit**2
         return np.asarray(np.sqrt(squares))
 
     @property
@@ -88,6 +90,7 @@ class LineErrors:
             Contribution("wander of the phase", "B", self.phase[index]),
             Contribution("resolution", "B", self.resolution[index]),
             Contribution("wander of the amplitude", "A", 0.0 if of_ratio else self.wander[index]),
+            Contribution("tones nearby, taken out", "B", self.fit[index]),
         )
         return tuple(each for each in lines if each.standard != 0.0)
 
@@ -155,11 +158,13 @@ def line_errors(
     turns: NDArray[np.float64] | None = None,
     level: float | None = None,
     of_angle: NDArray[np.float64] | None = None,
+    of_fit: NDArray[np.float64] | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, one
     of which is at `level`. `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in
     each period; `turns` are where all rows of the record are, in periods from the first of the spectrum on;
-    `of_angle` as in `Wander`.
+    `of_angle` as in `Wander`; `of_fit`, shape (orders,), is what a fit of tones adds to the
+    noise, relative to that.
     """
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
@@ -197,6 +202,7 @@ def line_errors(
         wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad)
         if trend is None
         else trend.deviation * amplitude,
+        fit=np.zeros(orders) if of_fit is None else of_fit * noise.in_phase,
         trend=trend,
         steps=steps,
     )
@@ -377,12 +383,13 @@ def _content(
     fourth = float(np.sum(random**4 / errors.dof[1:]))
     dof = float(np.sum(random**2)) ** 2 / fourth if fourth > 0.0 else math.inf
     beside = MeanError(math.sqrt(float(np.sum(random**2))), dof) if common is None else common
-    by_steps = weighted(errors.resolution)
+    by_steps, by_fit = weighted(errors.resolution), weighted(errors.fit)
     budget = (
         Contribution("noise and leakage beside the harmonics", "A", beside.standard, beside.dof),
         Contribution("resampling", "B", float(np.sum(weighted(errors.resampling)))),
         Contribution("wander of the phase", "B", float(np.sum(weighted(errors.phase)))),
         Contribution("resolution", "B", math.sqrt(float(np.sum(by_steps**2)))),
+        Contribution("tones nearby, taken out", "B", math.sqrt(float(np.sum(by_fit**2)))),
     )
     return _Content(
         measured,

@@ -7,14 +7,16 @@ constants explains is taken out, and what is left beside a harmonic is noise.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.groups import HarmonicGroups, groups_of, ratio_of
 from benchtool.analysis.spectra.line_models import as_real, dirichlet
-from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.spectra.moving_tones import Course, MovingTone, moving_tones
+from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -25,29 +27,31 @@ _ROUNDING = 1e-7  # of the largest line
 _AROUND = 12
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
-_CLOSE = 1.5  # bins: nearer to a harmonic both are one
+_CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
 _SMALL = 1e-4
 _OF_DECAY = 12  # bins from dc on
-_DRAWS, _MOST_WINDOWS = 32, 64
+_DRAWS, _MOST_WINDOWS = 64, 64
+_PRIMES = (2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0, 59.0)
 _CONSTANTS = np.geomspace(0.01, 2.0, 60)  # time constants over the record
 
 
 @dataclass(frozen=True)
 class Interharmonics:
     """Sinusoids at `places`, in bins, shape (n,), with peak `phasors`, and a dc that begins at `start` and
-    decays with the time constant `constant`, relative to the record."""
+    decays with the time constant `constant`, relative to the record; and tones that are `moving`."""
 
-    places: Floats
-    phasors: Complex
+    places: Floats = field(default_factory=lambda: np.zeros(0))
+    phasors: Complex = field(default_factory=lambda: np.zeros(0, dtype=np.complex128))
     start: float = 0.0
     constant: float = 1.0
+    moving: tuple[MovingTone, ...] = ()
 
     @property
     def words(self) -> str:
         """What they are, for a definition."""
-        count = len(self.places)
+        count = len(self.places) + len(self.moving)
         parts = [f"{count} sinusoid{'s' if count > 1 else ''} between harmonics"] if count else []
         return " and ".join([*parts, "a decaying dc"] if self.start else parts)
 
@@ -60,12 +64,43 @@ class Interharmonics:
             found[near] += phasor * upper + np.conj(phasor) * lower
         return found
 
-    def at(self, numbers: Floats, count: int) -> Floats:
-        """Return them at sample numbers of any kind, shape (n,), of a record of `count` samples."""
-        found = self.start * np.exp(-numbers / (self.constant * count))
+    def at(self, course: Course) -> Floats:
+        """Return them at places of the record, shape (n,)."""
+        found = self.start * np.exp(-course.turned / self.constant)
         for place, phasor in zip(self.places, self.phasors, strict=True):
-            found += np.real(phasor * np.exp(2j * np.pi * place / count * numbers))
+            found += np.real(phasor * np.exp(2j * np.pi * place * course.turned))
+        for tone in self.moving:
+            found += np.real(tone.at(course))
         return np.asarray(found)
+
+
+def between_harmonics(
+    coherent: CoherentSamples, spectrum: CoherentSpectrum, course: Course
+) -> Interharmonics | None:
+    """Return what stands out between the harmonics of samples at `course`: what is steady and what moves;
+    None if nothing does.
+
+    A tone that hardly moves is a few steady ones as well, and two close ones are one that moves: what leaves
+    the least between the harmonics counts.
+    """
+    steady = interharmonics(spectrum, len(coherent.values))
+    rest = coherent if steady is None else without(coherent, steady, course)
+    found = _with_moving(steady, moving_tones(rest, course))
+    moving = moving_tones(coherent, course) if steady is not None else ()
+    if not moving or found is None:
+        return found
+    rest = without(coherent, Interharmonics(moving=moving), course)
+    other = _with_moving(interharmonics(spectrum_of(rest), len(coherent.values)), moving)
+
+    def left(each: Interharmonics) -> float:
+        square = np.square(spectrum_of(without(coherent, each, course)).amplitude)
+        return float(np.sum(square) - np.sum(square[:: spectrum.periods]))
+
+    return found if other is None else min(found, other, key=left)
+
+
+def _with_moving(steady: Interharmonics | None, moving: tuple[MovingTone, ...]) -> Interharmonics | None:
+    return replace(steady or Interharmonics(), moving=moving) if moving else steady
 
 
 def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | None:
@@ -80,40 +115,71 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
     start, constant = _fitted_decay(bins, periods, count)
     number = np.arange(len(bins), dtype=np.int64)
     steady = bins - start * _decay(constant, number, count) if start else bins
-    found = Interharmonics(np.zeros(0), np.zeros(0, dtype=np.complex128))
+    found = Interharmonics()
     left = steady
-    for _ in range(_MOST):
+    while len(found.places) < _MOST:
         place = _largest(left, periods)
         if place is None:
             break
-        other = _fitted(steady, np.append(found.places, place), periods, count)
-        if other is None:
-            break
-        now = steady - other.of_bins(number, count)
         window = _window(len(bins), np.array([place]), periods)
-        if float(np.sum(np.abs(now[window]) ** 2)) > _LEFT * float(np.sum(np.abs(left[window]) ** 2)):
+        enough = _LEFT * float(np.sum(np.abs(left[window]) ** 2))
+        places, now, other = found.places, left, None
+        for _ in range(2):  # two may be so near that neither explains what is around it
+            place = _largest(now, periods)
+            if place is None:
+                break
+            places = np.append(places, place)
+            other = _fitted(steady, places, periods, count)
+            if other is None:
+                break
+            now, places = steady - other.of_bins(number, count), other.places
+            if float(np.sum(np.abs(now[window]) ** 2)) < enough:
+                break
+        if other is None or not float(np.sum(np.abs(now[window]) ** 2)) < enough:
             break
         found, left = other, now
+    if len(found.places):  # which leak to the bins beside dc as a decay does
+        start, constant = _fitted_decay(bins - found.of_bins(number, count), periods, count)
+        steady = bins - start * _decay(constant, number, count)
+        found = _fitted(steady, found.places, periods, count) or found
     apart = np.abs(found.places - periods * np.round(found.places / periods)) > _CLOSE
     found = Interharmonics(found.places[apart], found.phasors[apart], start, constant)
     return found if len(found.places) or start else None
 
 
-def without(coherent: CoherentSamples, found: Interharmonics) -> CoherentSamples:
-    """Return samples without them."""
-    count = len(coherent.values)
-    return replace(coherent, values=coherent.values - found.at(np.arange(count, dtype=np.float64), count))
+def without(coherent: CoherentSamples, found: Interharmonics, course: Course) -> CoherentSamples:
+    """Return samples, which are at `course`, without them."""
+    return replace(coherent, values=coherent.values - found.at(course))
+
+
+def noise_of_fit(found: Interharmonics, spectrum: CoherentSpectrum, orders: int, count: int) -> Floats:
+    """Return what the fit of the sinusoids adds to the noise of harmonics, relative to that of a bin, shape
+    (orders,): much where one is near (JCGM 100:2008, 5.1.2). The record has `count` samples."""
+    if not len(found.places):
+        return np.zeros(orders)
+    lines = spectrum.periods * np.arange(1, orders + 1, dtype=np.int64)
+    window = _window(len(spectrum.phasor), found.places, spectrum.periods)
+    fitted, there = (
+        np.concatenate(
+            [_units(found.places, each, count), _slopes(found.places, found.phasors, each, count)], axis=1
+        )
+        for each in (window, lines)
+    )
+    # of unknowns whose covariance is (A^T A)^-1 the lines B x have that of the rows of B A^+
+    square = np.sum((there @ np.linalg.pinv(fitted)) ** 2, axis=1)
+    return np.asarray(np.sqrt(0.5 * np.sum(square.reshape(2, -1), axis=0)))
 
 
 def scatter_of_phases(
-    clean: CoherentSpectrum, found: Interharmonics, groups: HarmonicGroups, count: int
+    clean: CoherentSpectrum, found: Interharmonics, groups: HarmonicGroups, course: Course
 ) -> tuple[float, float]:
     """Return the standard deviations of the distortions by groups and by subgroups over the phases of
-    components between the harmonics (JCGM 101:2008), for a record of `count` samples.
+    components between the harmonics (JCGM 101:2008), for a record whose samples are at `course`.
 
     In a window the leakage of one adds to a line, or is taken off it, as their phases have it.
     """
     periods, windows = groups.periods_per_window, min(groups.windows, _MOST_WINDOWS)
+    count = len(course.turned)
     size = round(count * periods / clean.periods)
     bins = np.arange((groups.orders + 1) * periods + 1, dtype=np.int64)
     order = np.arange(1, min(groups.orders + 1, (len(clean.phasor) - 1) // clean.periods) + 1)
@@ -125,17 +191,19 @@ def scatter_of_phases(
         above, below = _sinusoid(float(place), bins, size)
         upper.append(begin * above)
         lower.append(np.conj(begin) * below)
+    for tone in found.moving:
+        table = tone.at(course)[: windows * size].reshape(windows, size)
+        transformed = fft.fft(table, axis=1) / size
+        upper.append(transformed[:, bins])
+        lower.append(np.conj(transformed[:, -bins]))
     constant = found.constant * count / size
     decaying = found.start * np.exp(-window / constant) * _decay(constant, bins, size)
-    random = np.random.default_rng(0)
     ratios = []
-    for _ in range(_DRAWS):
-        lines[periods * order] = clean.phasor[clean.periods * order] * np.exp(
-            1j * order * random.uniform(0, 2 * np.pi)
-        )
-        total = lines + random.choice([-1.0, 1.0]) * decaying
-        for above, below in zip(upper, lower, strict=True):
-            turn = np.exp(1j * random.uniform(0, 2 * np.pi))
+    for number in range(_DRAWS):
+        turns = np.exp(2j * np.pi * (number * np.sqrt(_PRIMES[: len(upper) + 1])))
+        lines[periods * order] = clean.phasor[clean.periods * order] * turns[-1] ** order
+        total = lines + (-1.0) ** number * decaying
+        for above, below, turn in zip(upper, lower, turns, strict=False):
             total = total + turn * above + np.conj(turn) * below
         drawn = groups_of(0.5 * np.abs(total) ** 2, periods, groups.orders)
         ratios.append([ratio_of(drawn.group2), ratio_of(drawn.subgroup2)])
@@ -224,12 +292,8 @@ def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interhar
     measured = as_real(bins[window])
     for _ in range(_STEPS):
         table, linear = _phasors_at(places, window, measured, count)
-        phasors, slopes = linear[0::2] - 1j * linear[1::2], []
-        for place, phasor in zip(places, phasors, strict=True):
-            above, below = (_sinusoid(float(place) + by, window, count) for by in (_SMALL, -_SMALL))
-            change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
-            slopes.append(as_real(change / (2.0 * _SMALL)))
-        both = np.concatenate([table, np.stack(slopes, axis=1)], axis=1)
+        slopes = _slopes(places, linear[0::2] - 1j * linear[1::2], window, count)
+        both = np.concatenate([table, slopes], axis=1)
         step = np.linalg.lstsq(both, measured - table @ linear, rcond=None)[0][len(linear) :]
         places = places + np.clip(step, -0.5, 0.5)
         if np.any(np.abs(places - begin) > 2.0) or not np.all(np.isfinite(places)):
@@ -245,6 +309,20 @@ def _phasors_at(
 ) -> tuple[Floats, Floats]:
     """Return what sinusoids of unit phasors make of the bins, and the phasors fitted to these, as real
     numbers in turns with imaginary ones of the other sign."""
-    both = [_sinusoid(float(place), window, count) for place in places]
-    table = np.stack([as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
+    table = _units(places, window, count)
     return table, np.asarray(np.linalg.lstsq(table, measured, rcond=None)[0], dtype=np.float64)
+
+
+def _units(places: Floats, bins: NDArray[np.int64], count: int) -> Floats:
+    both = [_sinusoid(float(place), bins, count) for place in places]
+    return np.stack([as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
+
+
+def _slopes(places: Floats, phasors: Complex, bins: NDArray[np.int64], count: int) -> Floats:
+    """Return what a change of each place makes of the bins."""
+    slopes = []
+    for place, phasor in zip(places, phasors, strict=True):
+        above, below = (_sinusoid(float(place) + by, bins, count) for by in (_SMALL, -_SMALL))
+        change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
+        slopes.append(as_real(change / (2.0 * _SMALL)))
+    return np.stack(slopes, axis=1)

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.groups import harmonic_groups, ratio_of
-from benchtool.analysis.spectra.interharmonics import interharmonics, scatter_of_phases, without
+from benchtool.analysis.spectra.interharmonics import (
+    interharmonics,
+    noise_of_fit,
+    scatter_of_phases,
+    without,
+)
+from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -28,6 +34,11 @@ PER_PERIOD, RATE_HZ = 211.3, 10e3
 def samples_of(signal: Array) -> CoherentSamples:
     track = PhaseTrack(Polynomial([0.3, 2.0 * np.pi / PER_PERIOD]), len(signal), "as it was made")
     return coherent_samples(signal, RATE_HZ, track)
+
+
+def steady_course(coherent: CoherentSamples) -> Course:
+    turned = np.arange(len(coherent.values)) / len(coherent.values)
+    return Course(turned, turned)
 
 
 def rows(periods: float) -> Array:
@@ -50,12 +61,12 @@ def test_a_sinusoid_between_harmonics_leaves_their_amplitudes(order: float, peri
     found = interharmonics(spectrum, len(coherent.values))
     assert found is not None
     nearest = abs(order - round(order)) * spectrum.periods
-    if nearest < 1.5:  # nearer to a harmonic both are one
+    if nearest < 0.4:  # nearer to a harmonic both are one
         assert not len(found.places)
         return
     assert found.places / spectrum.periods == pytest.approx([order], abs=1e-3)
     assert np.abs(found.phasors) == pytest.approx([0.02], rel=2e-3)
-    clean = spectrum_of(without(coherent, found))
+    clean = spectrum_of(without(coherent, found, steady_course(coherent)))
     leaked = max(abs(spectrum.amplitude[spectrum.periods * k] - a) for k, a in ((1, 1.0), (5, 0.03)))
     left = max(abs(clean.amplitude[spectrum.periods * k] - a) for k, a in ((1, 1.0), (5, 0.03)))
     assert left < 2e-5 < leaked
@@ -71,9 +82,35 @@ def test_a_decaying_dc_is_found_with_its_time_constant() -> None:
     assert found.words == "a decaying dc"
     assert found.constant == pytest.approx(constant_rows / spectrum.samples, rel=1e-3)
     assert found.start == pytest.approx(-0.4 * math.exp(-FIRST_ROW / constant_rows), rel=1e-3)
-    clean = spectrum_of(without(coherent, found))
+    clean = spectrum_of(without(coherent, found, steady_course(coherent)))
     assert clean.fundamental == pytest.approx(1.0, abs=1e-6)
     assert abs(spectrum.fundamental - 1.0) > 1e-4
+
+
+def test_two_sinusoids_less_than_two_bins_apart_are_two() -> None:
+    row = rows(44.9)
+    noise = 1e-4 * np.random.default_rng(4).standard_normal(len(row))
+    two = (0.02 * np.cos(2 * np.pi * order * row / PER_PERIOD + order) for order in (6.21, 6.245))
+    coherent = samples_of(harmonic_current(row) + sum(two) + noise)
+    found = interharmonics(spectrum_of(coherent), len(coherent.values))
+    assert found is not None
+    assert np.sort(found.places) / coherent.periods == pytest.approx([6.21, 6.245], abs=1e-3)
+
+
+def test_the_fit_of_a_sinusoid_beside_a_harmonic_adds_as_much_noise_to_it_as_stated() -> None:
+    random, row, errors, stated = np.random.default_rng(6), rows(20.5), [], []
+    for _ in range(60):
+        line = 0.02 * np.cos(2 * np.pi * 4.965 * row / PER_PERIOD + random.uniform(0, 2 * np.pi))
+        theta = 2 * np.pi * row / PER_PERIOD
+        coherent = samples_of(np.cos(theta) + line + 1e-3 * random.standard_normal(len(row)))
+        found = interharmonics(spectrum_of(coherent), len(coherent.values))
+        assert found is not None
+        clean = spectrum_of(without(coherent, found, steady_course(coherent)))
+        errors.append(abs(clean.phasor[5 * clean.periods]) ** 2)
+        stated.append(noise_of_fit(found, clean, 7, len(coherent.values)))
+    noise2 = 4.0 * 1e-6 / clean.samples
+    np.testing.assert_allclose(np.mean(errors), noise2 * (1.0 + np.mean(stated, axis=0)[4] ** 2), rtol=0.3)
+    assert np.mean(stated, axis=0)[4] > 10.0 * np.mean(stated, axis=0)[6]
 
 
 def test_noise_alone_holds_no_sinusoid() -> None:
@@ -100,8 +137,8 @@ def test_groups_scatter_over_phases_as_records_do() -> None:
     found = interharmonics(spectrum_of(coherent), len(coherent.values))
     assert found is not None
     assert groups is not None
-    clean = spectrum_of(without(coherent, found))
-    stated = scatter_of_phases(clean, found, groups, len(coherent.values))
+    clean = spectrum_of(without(coherent, found, steady_course(coherent)))
+    stated = scatter_of_phases(clean, found, groups, steady_course(coherent))
     np.testing.assert_allclose(stated, np.std(ratios, axis=0), rtol=0.45)
 
 
