@@ -189,7 +189,7 @@ def _growth(circle: NDArray[np.complex128]) -> tuple[complex, float]:
     is unknown: of too few revolutions to tell a trend from chance, all that it may be."""
     count, size = len(circle), np.abs(circle)
     middle = complex(np.mean(circle))
-    trend = amplitude_trend(size, 0)
+    trend = amplitude_trend(size)
     if trend is not None:
         return middle * trend.growth / count, 0.0
     if count >= FEWEST_PERIODS or count < 2:
@@ -200,7 +200,7 @@ def _growth(circle: NDArray[np.complex128]) -> tuple[complex, float]:
 def _of_mean(values: NDArray[np.float64], after: float) -> MeanError:
     """Of the mean of values, shape (revolutions,), that of what a trend leaves of them, if they have one:
     `after` is the share of the record after the last revolution."""
-    trend = amplitude_trend(values, 0, 0.0, after)
+    trend = amplitude_trend(values, after=after)
     if trend is None:
         return error_of_periods(values)
     mean, left = abs(float(np.mean(values))), error_of_series(trend.rest)

@@ -106,7 +106,7 @@ def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
     if len(values) < FEWEST_PERIODS or not size > 0.0 or neighbours_alike(values) <= _ALIKE:
         return _Maxima(values, has_course)
     middle = float(np.mean(values))
-    trend = amplitude_trend(1.0 + (values - middle) / size, 0)
+    trend = amplitude_trend(1.0 + (values - middle) / size)
     return _Maxima(values, has_course) if trend is None else _Maxima(middle + size * trend.rest, True)
 
 

@@ -154,7 +154,7 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
     mean, rest = float(np.mean(series)) - of_cycles - incomplete, left[: rows[-1]]
     means = np.add.reduceat(rest, begin) / counts
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
-    trend = amplitude_trend(1.0 + (means - middle) / size, 0) if size > 0.0 else None
+    trend = amplitude_trend(1.0 + (means - middle) / size) if size > 0.0 else None
     if trend is not None:
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy import fft
@@ -29,17 +30,18 @@ _OF_TIME = 1.0 / (6.0 * math.sqrt(3.0))  # of a bend: a sixth at most between me
 
 @dataclass(frozen=True)
 class AmplitudeTrend:
-    """Course of an amplitude over a record, relative to its mean.
+    """Course of an amplitude over a record, from 0 to 1, relative to the mean over its whole periods.
 
-    `sidebands`, complex, shape (n,), are what it makes beside a line of amplitude one, at 1, 2 ... bins from
-    it; the lower ones are their conjugates. `apart` is by how much the mean over the whole periods differs
-    from that over the record, or from the constant that a swing is about; `deviation` is that and how far a
-    mean over phases is from one over time. `rest`, shape (periods,), is what the course leaves of the
-    amplitudes, `growth` by how much it grows from the begin of the first period to the end of the last; a
-    step is no growth.
+    `level` is the mean of the `curve` over the time of the record, or the constant that a swing is about, and
+    `of_level` its standard uncertainty against the mean over periods; `apart` is by how much that mean is off
+    it; `deviation` is that and how far a mean over phases is from one over time. `rest`, shape (periods,), is
+    what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first period
+    to the end of the last; a step is no growth.
     """
 
-    sidebands: NDArray[np.complex128]
+    curve: Callable[[Floats], Floats]
+    level: float
+    of_level: float
     deviation: float
     apart: float
     rest: Floats
@@ -47,15 +49,15 @@ class AmplitudeTrend:
 
 
 def amplitude_trend(
-    amplitudes: Floats, offsets: int, before: float = 0.0, after: float = 0.0
+    amplitudes: Floats, before: float = 0.0, after: float = 0.0, edges: Floats | None = None
 ) -> AmplitudeTrend | None:
-    """Return the trend of amplitudes, shape (periods,), with its first `offsets` sidebands; None if there is
-    none.
+    """Return the trend of amplitudes, shape (periods,); None if there is none.
 
     A line, a parabola, a step, an exponential or one sinusoid: the first that leaves less than three
     hundredths of the variance, which is far less than of an amplitude that wanders at random, and of that
     nothing but noise, whose neighbours are not alike. `before` and `after` are the shares of the record,
-    relative to the periods, that are outside them.
+    relative to the periods, that are outside them; `edges`, shape (periods + 1,), are where the periods begin
+    and end in time, from 0 to 1, by default evenly.
     """
     count = len(amplitudes)
     mean = float(np.mean(amplitudes))
@@ -65,37 +67,59 @@ def amplitude_trend(
     power = float(np.mean(relative**2))
     if not power > 0.0:
         return None
-    place = (np.arange(count) + 0.5) / count
-    for curve, about, bend in _curves(relative, place):
+    numbers = np.arange(count + 1.0)
+    edges, bent = (numbers / count, 1.0) if edges is None else (edges, 0.0)
+    place = 0.5 * (edges[1:] + edges[:-1])
+    for curve, about, bend, slopes in _curves(relative, place):
         rest = relative - curve(place)
         left = float(np.mean(rest**2)) / power
         if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
             continue
-        points = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
+        phases = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
+        points, whole = (
+            np.interp(count * phases, numbers, edges),
+            np.linspace(-before, 1.0 + after, len(phases)),
+        )
         course = curve(points)
-        turns = np.exp(-2j * np.pi * np.outer(np.arange(1, offsets + 1), points))
-        whole = np.linspace(-before, 1.0 + after, len(points))
-        apart = float(np.mean(course)) - (float(np.mean(curve(whole))) if about is None else about)
+        level = float(np.mean(curve(whole))) if about is None else about
+        apart = float(np.mean(course)) - level
         begin, end = curve(np.array([0.0, 1.0]))
         growth = 0.0 if isinstance(curve, _Step) else float(end - begin)
-        deviation = math.hypot(apart, _OF_TIME * bend)
-        return AmplitudeTrend(turns @ course / len(points), deviation, abs(apart), rest, growth)
+        by_constants = np.mean(slopes(points), axis=0)
+        by_constants -= np.mean(slopes(whole), axis=0) if about is None else np.eye(len(by_constants))[0]
+        # the constants have the covariance (S^T S)^-1 of noise (JCGM 102:2011, 6.2.1.3)
+        by_values = by_constants @ np.linalg.pinv(slopes(place))
+        noise2 = float(rest @ rest) / max(1, count - len(by_constants))
+        return AmplitudeTrend(
+            curve=curve,
+            level=level,
+            of_level=math.sqrt(noise2 * float(by_values @ by_values)),
+            deviation=math.hypot(apart, bent * _OF_TIME * bend),
+            apart=abs(apart),
+            rest=rest,
+            growth=growth,
+        )
     return None
 
 
-_Curve = tuple[Callable[[Floats], Floats], float | None, float]
+_Curve = tuple[Callable[[Floats], Floats], float | None, float, Callable[[Floats], Floats]]
 
 
 def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
     """Yield curves over the record, from 0 to 1, each with the constant that it is about, if it is about one,
-    and its bend."""
+    its bend, and its slopes by its constants, shape (places, constants)."""
     for degree in (1, 2):
         line = np.polynomial.Polynomial.fit(place, relative, degree)
         bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
-        yield line, None, abs(bend)
-    yield _step(relative), None, 0.0
+        yield line, None, abs(bend), partial(_powers, degree)
+    step = _step(relative, place)
+    yield step, None, 0.0, step.slopes
     yield _settling(relative, place)
     yield from _swing(relative, place)
+
+
+def _powers(degree: int, places: Floats) -> Floats:
+    return np.asarray(np.vander(places, degree + 1, increasing=True))
 
 
 @dataclass(frozen=True)
@@ -109,14 +133,17 @@ class _Step:
     def __call__(self, places: Floats) -> Floats:
         return np.where(places < self.edge, self.before, self.after)
 
+    def slopes(self, places: Floats) -> Floats:
+        return np.stack([places < self.edge, places >= self.edge], axis=1).astype(np.float64)
 
-def _step(relative: Floats) -> _Step:
+
+def _step(relative: Floats, place: Floats) -> _Step:
     count = len(relative)
     sums = np.cumsum(relative)[:-1]
     number = np.arange(1, count)
     first, last = sums / number, (np.sum(relative) - sums) / (count - number)
     at = int(np.argmax(first**2 * number + last**2 * (count - number)))
-    return _Step(float(first[at]), float(last[at]), float(number[at]) / count)
+    return _Step(float(first[at]), float(last[at]), 0.5 * float(place[at] + place[at + 1]))
 
 
 def _settling(relative: Floats, place: Floats) -> _Curve:
@@ -131,7 +158,12 @@ def _settling(relative: Floats, place: Floats) -> _Curve:
     finer = best * np.geomspace(1.0 / _RATE_STEP, _RATE_STEP, _FINER_RATES)
     rate = float(min(finer, key=lambda each: fitted(float(each))[0]))
     constants = fitted(rate)[1]
-    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0
+
+    def slopes(places: Floats) -> Floats:
+        columns = _exponential(places, rate)
+        return np.column_stack([columns, -constants[1] * places * columns[:, 1]])
+
+    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0, slopes
 
 
 def _exponential(place: Floats, rate: float) -> Floats:
@@ -161,7 +193,13 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
             if left < least:
                 least, best, frequency = left, constants, float(each)
         reach *= 2.0 / (steps - 1.0)
-    yield lambda places: np.asarray(_basis(places, frequency) @ best), float(best[0]), 0.0
+
+    def slopes(places: Floats) -> Floats:
+        columns = _basis(places, frequency)
+        by_cycles = 2.0 * np.pi * places * (best[2] * columns[:, 1] - best[1] * columns[:, 2])
+        return np.column_stack([columns, by_cycles])
+
+    yield lambda places: np.asarray(_basis(places, frequency) @ best), float(best[0]), 0.0, slopes
 
 
 def _basis(place: Floats, cycles: float) -> Floats:

@@ -40,7 +40,7 @@ from benchtool.analysis.spectra.interharmonics import (
     scatter_of_phases,
     without,
 )
-from benchtool.analysis.spectra.modulation import apart_in_time, phase_noise_rad
+from benchtool.analysis.spectra.modulation import phase_noise_rad, with_steady_amplitude
 from benchtool.analysis.spectra.moving_tones import Course, course_of
 from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
@@ -122,8 +122,11 @@ def current_spectrum(
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
     cleaned = coherent if others is None else without(coherent, others, course)
-    clean = spectrum if others is None else spectrum_of(cleaned)
     alone = seen.first(coherent.periods) if others is None else wander(cleaned)
+    steady = with_steady_amplitude(cleaned, alone.amplitude, turns, FIRST_ROW)
+    clean, with_trend = spectrum_of(steady.samples), None
+    if steady.trend is not None:
+        with_trend = spectrum_of(cleaned), steady.trend.of_level
     lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
     wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
     level = level_of(samples, step)
@@ -138,17 +141,16 @@ def current_spectrum(
         level,
         seen.of_angle,
         None if others is None else noise_of_fit(others, clean, highest, len(coherent.values)),
+        with_trend,
     )
-    in_time = apart_in_time(seen.amplitude[: coherent.periods], turns)
-    errors = replace(errors, wander=np.maximum(errors.wander, in_time * harmonics(clean)[:highest]))
     of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
-    # sinusoids are as steady as the track, a decaying dc on any
+    # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
     is_like_it = others is not None and (track.departure is None or not len(others.places))
-    if others is not None and groups is not None and is_like_it:
-        of_lines = harmonic_groups(cleaned, HIGHEST_HARMONIC)
-        scatter = scatter_of_phases(clean, others, groups, course)
+    if groups is not None and (is_like_it or (others is None and steady.trend is not None)):
+        of_lines = harmonic_groups(steady.samples, HIGHEST_HARMONIC)
+        scatter = (0.0, 0.0) if others is None else scatter_of_phases(clean, others, groups, course)
         beside = None if of_lines is None else Beside(cleaned, of_lines, *scatter)
     found = (
         frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
@@ -268,7 +270,7 @@ def _of_largest(
     and a converter alone up to `of_steps`."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
-    noise = line_noise(spectrum, np.array([place]), None if place % spectrum.periods else errors.trend)
+    noise = line_noise(spectrum, np.array([place]))
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
     alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
     alone2 += of_steps**2
@@ -345,9 +347,11 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_fundamental",),
             "A",
-            "A_1, without what leaks into it from sinusoids between the harmonics and a decaying dc",
-            "noise beside the line, a ramp, step or swing of the amplitude left out, or, of one with a "
-            "memory, that of its mean over periods; resampling, wander of the phase, resolution",
+            "A_1, without what leaks into it from tones between the harmonics, steady or swept, and a "
+            "decaying dc; of an amplitude that ramps, steps or swings the mean over time",
+            "noise beside the line, with the course of the amplitude divided out, or, of one with a memory, "
+            "that of its mean over periods; resampling, wander of the phase, resolution, the fit of a tone "
+            "nearby",
         ),
         Quantity(
             ("current_max_low_harmonic",),

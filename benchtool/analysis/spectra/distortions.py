@@ -144,7 +144,9 @@ def group_distortions(
 ) -> Iterator[Measurement]:
     """Yield the distortions by groups and by subgroups; undefined without `groups`. Where there is something
     `beside` the harmonics, the noise is that of the groups without it."""
-    distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, errors=errors)
+    if groups is not None:  # the last harmonics may be without a whole group
+        errors = errors.first(groups.orders)
+    distortion = total_harmonic_distortion(spectrum, len(errors.noise), errors=errors)
     lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
     by_noise = combined(lines, "")
     of_order_1 = _relative(distortion)

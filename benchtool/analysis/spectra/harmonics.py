@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 
 import numpy as np
@@ -13,17 +13,19 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, LineColumn, Table
 from benchtool.analysis.repeated_steps import RepeatedSteps
 from benchtool.analysis.scatter import TOO_SLOW, MeanError
-from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
-from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum, wander_of_mean
+from benchtool.analysis.spectra.modulation import (
+    is_modulated_alike,
+    noise_of_sum,
+    wander_of_mean,
+)
 from benchtool.analysis.spectra.noise import (
-    PAIRS,
     converter_steps,
     harmonic_noise,
     line_noise,
     noise_floor,
     repeated_quantisation,
 )
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum
+from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
@@ -53,7 +55,7 @@ class LineErrors:
     quantised signal, as far as they repeat with the period; `steps2` is the mean square of the amplitude that
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
     too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are
-    modulated as the fundamental is have it in common, and a `trend` of the amplitude, which is no noise.
+    modulated as the fundamental is have it in common, and so have all where the amplitude `had_trend`.
     `steps` are the errors of a converter as of samples at equal steps of phase.
     """
 
@@ -66,8 +68,17 @@ class LineErrors:
     steps2: NDArray[np.float64]
     wander: NDArray[np.float64]
     fit: NDArray[np.float64]
-    trend: AmplitudeTrend | None = None
+    had_trend: bool = False
     steps: RepeatedSteps | None = None
+
+    def first(self, orders: int) -> LineErrors:
+        """Return those of so many harmonics."""
+        arrays = {
+            each.name: getattr(self, each.name)[:orders]
+            for each in fields(self)
+            if isinstance(getattr(self, each.name), np.ndarray)
+        }
+        return replace(self, **arrays)
 
     @property
     def standard(self) -> NDArray[np.float64]:
@@ -159,21 +170,21 @@ def line_errors(
     level: float | None = None,
     of_angle: NDArray[np.float64] | None = None,
     of_fit: NDArray[np.float64] | None = None,
+    with_trend: tuple[CoherentSpectrum, float] | None = None,
 ) -> LineErrors:
     """Of harmonics 1 to `orders`; the phase wanders by `wander_rad`, rms, the signal has steps of `step`, one
     of which is at `level`. `amplitudes` and `phases_rad`, shape (periods,), are those of the fundamental in
     each period; `turns` are where all rows of the record are, in periods from the first of the spectrum on;
-    `of_angle` as in `Wander`; `of_fit`, shape (orders,), is what a fit of tones adds to the
-    noise, relative to that.
+    `of_angle` as in `Wander`; `of_fit`, shape (orders,), is what a fit of tones adds to the noise,
+    relative to that; `with_trend` is the spectrum with what was a trend of the amplitude, and the relative
+    standard uncertainty of the mean of that.
     """
     order = np.arange(1, orders + 1)
     amplitude = harmonics(spectrum)[:orders]
-    trend = None
-    if amplitudes is not None:
-        before = 0.0 if turns is None else FIRST_ROW / spectrum.samples
-        after = 0.0 if turns is None else (len(turns) - FIRST_ROW) / spectrum.samples - 1.0
-        trend = amplitude_trend(amplitudes, 2 * PAIRS, before, after)
-    noise = line_noise(spectrum, spectrum.periods * order, trend)
+    noise = line_noise(spectrum, spectrum.periods * order)
+    in_phase = noise.in_phase
+    if with_trend is not None:  # harmonics that did not follow it have sidebands only without it
+        in_phase = np.minimum(in_phase, line_noise(with_trend[0], spectrum.periods * order).in_phase)
     if turns is not None:
         turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
     steps = converter_steps(spectrum, step, level=level)
@@ -183,14 +194,14 @@ def line_errors(
         evenly = resolution
         resolution, steps2 = repeated_quantisation(spectrum, converter_steps(spectrum, step, turns, level))
         folded2 = np.maximum(0.0, resolution**2 - evenly**2)
-        folded2[:orders] = np.maximum(0.0, folded2[:orders] - noise.in_phase**2)
+        folded2[:orders] = np.maximum(0.0, folded2[:orders] - in_phase**2)
         resolution = np.sqrt(evenly**2 + folded2)
     phase = np.maximum(amplitude * np.minimum(1.0, 0.5 * (order * wander_rad) ** 2), noise.lost)
     if of_angle is not None:
         known = min(orders, len(of_angle))
         phase[:known] = np.hypot(phase[:known], of_angle[:known])
     return LineErrors(
-        noise=noise.in_phase,
+        noise=in_phase,
         dof=noise.dof,
         floor=harmonic_noise(spectrum, orders),
         resampling=np.array(
@@ -199,11 +210,11 @@ def line_errors(
         phase=phase,
         resolution=resolution[:orders],
         steps2=steps2[:orders],
-        wander=_wander(spectrum, amplitude, noise.in_phase, amplitudes, phases_rad)
-        if trend is None
-        else trend.deviation * amplitude,
-        fit=np.zeros(orders) if of_fit is None else of_fit * noise.in_phase,
-        trend=trend,
+        wander=_wander(spectrum, amplitude, in_phase, amplitudes, phases_rad)
+        if with_trend is None
+        else with_trend[1] * amplitude,
+        fit=np.zeros(orders) if of_fit is None else of_fit * in_phase,
+        had_trend=with_trend is not None,
         steps=steps,
     )
 
@@ -331,10 +342,10 @@ def _in_common(
     if not (total > 0.0 and slope > 0.0 and np.any(stand_out)):
         return None
     weights = np.concatenate([[-by_fundamental / slope], amplitude[1:] / total])
-    together = noise_of_sum(spectrum, weights, errors.trend)
+    together = noise_of_sum(spectrum, weights)
     if not by_fundamental and math.isnan(errors.wander[0]):
         return MeanError(math.nan, 1.0)
-    alike = errors.trend is not None or is_modulated_alike(spectrum, weights[np.newaxis, :])[0]
+    alike = errors.had_trend or is_modulated_alike(spectrum, weights[np.newaxis, :])[0]
     if not by_fundamental and alike:
         # to a stated amplitude what they have in common adds up, of two lines by no more than chance would
         of_wander = float(np.sum(weights * errors.wander))

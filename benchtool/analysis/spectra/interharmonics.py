@@ -28,6 +28,7 @@ _AROUND = 12
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
 _CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
+_ALIKE, _ALIKE_BINS = 0.2, 0.3  # of an amplitude; bins
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
 _SMALL = 1e-4
@@ -87,8 +88,10 @@ def between_harmonics(
     rest = coherent if steady is None else without(coherent, steady, course)
     found = _with_moving(steady, moving_tones(rest, course))
     moving = moving_tones(coherent, course) if steady is not None else ()
-    if not moving or found is None:
-        return found
+    if found is None:
+        return None
+    if not moving:
+        return _without_modulation(found, spectrum)
     rest = without(coherent, Interharmonics(moving=moving), course)
     other = _with_moving(interharmonics(spectrum_of(rest), len(coherent.values)), moving)
 
@@ -96,7 +99,32 @@ def between_harmonics(
         square = np.square(spectrum_of(without(coherent, each, course)).amplitude)
         return float(np.sum(square) - np.sum(square[:: spectrum.periods]))
 
-    return found if other is None else min(found, other, key=left)
+    return _without_modulation(found if other is None else min(found, other, key=left), spectrum)
+
+
+def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> Interharmonics | None:
+    """Return it without the pairs of tones to both sides of a harmonic that are an amplitude which swings."""
+    places = np.array([*found.places, *(each.by_turns for each in found.moving)])
+    phasors = np.array([*found.phasors, *(each.phasor for each in found.moving)])
+    line = spectrum.periods * np.clip(np.round(places / spectrum.periods), 1, None).astype(np.int64)
+    apart = places - line
+    # along the phase of its harmonic the lower one is the conjugate of the upper one
+    turned = phasors * np.exp(-1j * np.angle(spectrum.phasor[np.minimum(line, len(spectrum.phasor) - 1)]))
+    turned = np.where(apart < 0.0, np.conj(turned), turned)
+    swings = (
+        (line == line[:, np.newaxis])
+        & (np.abs(apart + apart[:, np.newaxis]) < _ALIKE_BINS)
+        & (np.abs(turned - turned[:, np.newaxis]) < _ALIKE * np.abs(turned))
+    )
+    kept = ~np.any(swings | swings.T, axis=0)
+    steady, moving = kept[: len(found.places)], kept[len(found.places) :]
+    left = replace(
+        found,
+        places=found.places[steady],
+        phasors=found.phasors[steady],
+        moving=tuple(each for each, stays in zip(found.moving, moving, strict=True) if stays),
+    )
+    return left if len(left.places) or left.moving or left.start else None
 
 
 def _with_moving(steady: Interharmonics | None, moving: tuple[MovingTone, ...]) -> Interharmonics | None:
@@ -123,10 +151,10 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
             break
         window = _window(len(bins), np.array([place]), periods)
         enough = _LEFT * float(np.sum(np.abs(left[window]) ** 2))
-        places, now, other = found.places, left, None
+        places, now, other, first = found.places, left, None, place // periods
         for _ in range(2):  # two may be so near that neither explains what is around it
             place = _largest(now, periods)
-            if place is None:
+            if place is None or place // periods != first:  # to both sides of a harmonic, they modulate it
                 break
             places = np.append(places, place)
             other = _fitted(steady, places, periods, count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import fft
@@ -14,8 +15,9 @@ from benchtool.analysis.scatter import (
     error_of_series,
     is_memory_untold,
 )
-from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
+from benchtool.analysis.spectra.phase_following import wander
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 Floats = NDArray[np.float64]
@@ -24,32 +26,22 @@ _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noi
 _FEWEST_PAIRS = 4
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _CORRELATED = 1.5  # periods that count as one
+_ROUNDS = 3
+_LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
 
 
-def noise_of_sum(
-    spectrum: CoherentSpectrum, weights: Floats, trend: AmplitudeTrend | None = None
-) -> MeanError:
+def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
     """Return the noise of a weighted sum of the amplitudes of harmonics 1, 2 ..., weights of shape (orders,),
     by the pairs of bins of `line_noise` around all of them at once; nan where no pair is around each.
 
-    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum. A
-    `trend` of the amplitude is left out, where it is in them.
+    What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
     """
     sidebands = _sidebands(spectrum, len(weights))
     pairs = sidebands.shape[1]
     if not pairs:
         return MeanError(math.nan, 1.0)
-
-    def standard(of: NDArray[np.complex128]) -> float:
-        together = np.sum(weights[:, np.newaxis] * of, axis=0)[np.newaxis, :]
-        return float(noise_of_pairs(together, np.ones(together.shape, dtype=np.bool_))[0])
-
-    found = standard(sidebands)
-    if trend is not None:
-        lines = spectrum.amplitude[spectrum.periods * np.arange(1, len(weights) + 1)]
-        of_trend = 2.0 * lines[:, np.newaxis] * trend.sidebands[_offsets(spectrum, len(weights)) - 1]
-        found = min(found, standard(sidebands - of_trend))
-    return MeanError(found, 2.0 * pairs)
+    together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
+    return MeanError(float(noise_of_pairs(together, np.ones_like(together, dtype=np.bool_))[0]), 2.0 * pairs)
 
 
 def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[np.bool_]:
@@ -121,12 +113,55 @@ def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None 
     return math.sqrt(max(0.0, error_of_periods(amplitude, least=0).standard ** 2 - by_pairs**2))
 
 
-def apart_in_time(amplitude: Floats, turns: Floats) -> float:
-    """Return how far, relative to it, the mean over periods of amplitudes, shape (periods,), is from that
-    over time; `turns`, shape (rows,), are where rows are, in periods from the first on.
+@dataclass(frozen=True)
+class SteadyAmplitude:
+    """Samples whose amplitude is steady, with that over the time of the record, of which it had the `trend`,
+    None if it had none."""
+
+    samples: CoherentSamples
+    trend: AmplitudeTrend | None = None
+
+
+def with_steady_amplitude(
+    coherent: CoherentSamples, amplitude: Floats, turns: Floats, first_row: int
+) -> SteadyAmplitude:
+    """Return samples with the amplitudes of their periods, shape (periods,), without the trend of these, and
+    with the mean over time in place of that over periods; `turns`, shape (rows,), are periods from
+    `first_row` on.
+
+    A course of the amplitude has sidebands beside all harmonics, whose tails are in the other ones. And where
+    speed and amplitude swing together, the periods with the greater amplitude may be the longer ones.
+    """
+    rows = np.arange(len(turns), dtype=np.float64)
+    edges = (np.interp(np.arange(coherent.periods + 1), turns, rows) - first_row) / coherent.samples
+    before, after = first_row / coherent.samples, (len(turns) - first_row) / coherent.samples - 1.0
+    trend = amplitude_trend(amplitude, before, after, edges)
+    if trend is None:
+        factor = 1.0 + apart_in_time(amplitude, edges)
+        return SteadyAmplitude(replace(coherent, values=factor * coherent.values))
+    passed = np.interp(np.arange(len(coherent.values)) / coherent.per_period, np.arange(len(edges)), edges)
+    middles, found = 0.5 * (edges[1:] + edges[:-1]), SteadyAmplitude(coherent)
+    for _ in range(_ROUNDS):
+        course = 1.0 + trend.curve(passed)
+        if not float(np.min(course)) > _LEAST:
+            break
+        found = SteadyAmplitude(
+            replace(coherent, values=(1.0 + trend.level) / course * coherent.values), trend
+        )
+        # of a swing the amplitudes of periods are means, and a phasor is moved by a bend within its period
+        left = wander(found.samples).amplitude
+        closer = amplitude_trend((1.0 + trend.curve(middles)) * left, before, after, edges)
+        if closer is None:
+            break
+        trend = closer
+    return found
+
+
+def apart_in_time(amplitude: Floats, edges: Floats) -> float:
+    """Return by how much, relative to it, the mean over time of amplitudes, shape (periods,), is more than
+    that over periods; `edges`, shape (periods + 1,), are where these begin and end in time.
 
     Where speed and amplitude swing together, the periods with the greater amplitude may be the longer ones.
     """
-    ends = np.interp(np.arange(len(amplitude) + 1), turns, np.arange(len(turns)))
     mean = float(np.mean(amplitude))
-    return abs(float(np.average(amplitude, weights=np.diff(ends))) / mean - 1.0) if mean > 0.0 else 0.0
+    return float(np.average(amplitude, weights=np.diff(edges))) / mean - 1.0 if mean > 0.0 else 0.0

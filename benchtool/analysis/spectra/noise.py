@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.repeated_steps import RepeatedSteps, repeated_steps
 from benchtool.analysis.scatter import MeanError
-from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _FEWEST_BINS = 8
@@ -201,9 +200,7 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     return np.array([floor / math.sqrt(2.0) for floor in floors])
 
 
-def line_noise(
-    spectrum: CoherentSpectrum, lines: NDArray[np.int64], trend: AmplitudeTrend | None = None
-) -> LineNoise:
+def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
     """Return the noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around
     each.
 
@@ -211,8 +208,7 @@ def line_noise(
     changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
     is coloured, or shares its phase with the line, and leakage from interharmonics are seen as they act on
     the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
-    by their median, which lines do not disturb, and the larger of both is taken. What a `trend` of the
-    amplitude makes of the pairs is left out, where it is in them.
+    by their median, which lines do not disturb, and the larger of both is taken.
     """
     periods, bins = spectrum.periods, spectrum.phasor
     offsets = np.arange(1, 2 * PAIRS + 1)
@@ -224,12 +220,8 @@ def line_noise(
     below = np.conj(bins[np.where(inside, lower, 0)] * towards)
     pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
     together, apart = above + below, above - below
-    in_phase = noise_of_pairs(together, inside)
-    if trend is not None:
-        of_trend = 2.0 * spectrum.amplitude[lines][:, np.newaxis] * trend.sidebands[: len(offsets)]
-        in_phase = np.minimum(in_phase, noise_of_pairs(together - of_trend, inside))
     return LineNoise(
-        in_phase,
+        noise_of_pairs(together, inside),
         noise_of_pairs(apart, inside),
         2.0 * np.maximum(pairs, 1.0),
         _lost(together, apart, inside, spectrum.amplitude[lines]),
