@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,14 +15,16 @@ from benchtool.analysis.flux_revolutions import ORDERS, fits, forwards, revoluti
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation import resolution
 from benchtool.analysis.regimes import change_of_regime
+from benchtool.analysis.repeated_steps import RepeatedSteps, steps_of_periods
 from benchtool.analysis.ripple import peak_to_peak_number
+from benchtool.analysis.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.scatter import (
+    FEWEST_EXTREMES,
     MeanError,
     error_of_periods,
     error_of_root,
     error_of_series,
     is_memory_untold,
-    scatter_of_largest,
 )
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
@@ -73,17 +76,20 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
         window=f"{len(revolutions)} whole revolutions by a quadratic fit to the flux's angle",
         gaps=0,
     )
-    return tuple(_measurements(psi, fits(psi, track, revolutions), begin_rad, revolutions, basis))
+    turns = (track.at(np.arange(*edges, dtype=np.float64)) - begin_rad) / (2.0 * np.pi)
+    return tuple(_measurements(psi, fits(psi, track, revolutions), turns, begin_rad, revolutions, basis))
 
 
 def _measurements(
     psi: NDArray[np.complex128],
     found: NDArray[np.complex128],
+    turns: NDArray[np.float64],
     begin_rad: float,
     revolutions: list[slice],
     basis: Basis,
 ) -> Iterator[Measurement]:
-    whole = np.abs(psi[revolutions[0].start : revolutions[-1].stop])
+    path = psi[revolutions[0].start : revolutions[-1].stop]
+    whole = np.abs(path)
     begins = np.array([part.start for part in revolutions]) - revolutions[0].start
     counts = np.diff(begins, append=len(whole))
     means = np.add.reduceat(whole, begins) / counts
@@ -91,10 +97,7 @@ def _measurements(
     squares = np.add.reduceat((whole - mean) ** 2, begins) / counts
     step = max(resolution(psi.real), resolution(psi.imag))
     step = step if step > _FINE * mean else 0.0
-    # steps that repeat in every revolution, of which as many are independent as it crosses
-    repeated = step / math.sqrt(
-        12.0 * min(len(whole) / len(revolutions), 4.0 * mean / max(step, _FINE * mean))
-    )
+    steps = _Steps.of(path, np.append(begins, len(whole)), step, turns)
     reason = change_of_regime(means, "the radius of the flux")
     signs = np.where(np.arange(len(whole)) % 2, -1.0, 1.0)
     if not reason and is_memory_untold(means, np.add.reduceat(signs * (whole - mean), begins) / counts):
@@ -126,21 +129,18 @@ def _measurements(
             sensitivities=Sensitivities(content=content),
         )
 
-    resolved = Contribution("resolution", "B", repeated)
+    resolved = Contribution("resolution", "B", steps.of_radius)
     # a revolution ends within a sample
     ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
     text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
     after = (len(psi) - revolutions[-1].stop) / len(whole)
     of_mean = _of_mean(means, after)
     yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
-    largest, least = np.maximum.reduceat(whole, begins), np.minimum.reduceat(whole, begins)
-    scatter = max(
-        math.hypot(scatter_of_largest(largest), scatter_of_largest(-least)),
-        scatter_of_largest(largest - least),
-    )
+    scatter = math.nan
+    if len(begins) >= FEWEST_EXTREMES:
+        scatter = extremes_of_ripple(whole, whole, begins, Tails.of(whole, begins, counts))
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
-    # of a difference of two radii, each of two readings
-    of_both = Contribution("resolution", "B", step / math.sqrt(6.0))
+    of_both = Contribution("resolution", "B", steps.of_span(step))
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
     yield measured("flux_radius_pp", text, span, extremes, of_both, content=Extremes())
     text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
@@ -165,9 +165,10 @@ def _measurements(
     centre = found[:, 0]
     of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    length, bias = _length(centre)
+    length, bias, along = _length(centre, after)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    yield measured("flux_centre_offset", text, length, _along(centre, after), by_scatter, of_ramp, resolved)
+    of_steps = Contribution("resolution", "B", steps.of_centre(complex(np.mean(centre))))
+    yield measured("flux_centre_offset", text, length, along, by_scatter, of_ramp, of_steps)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
     sixth = (found[:, 1] * np.conj(found[:, 2]) + np.conj(found[:, 1]) * found[:, 3]) / np.abs(found[:, 1])
@@ -178,10 +179,74 @@ def _measurements(
         "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
         "evenly"
     )
-    length, bias = _length(sixth)
+    length, bias, along = _length(sixth, after)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_two = Contribution("resolution", "B", math.sqrt(2.0) * repeated)
-    yield measured("flux_radius_order_6", text, length, _along(sixth, after), by_scatter, of_two)
+    of_two = Contribution("resolution", "B", steps.of_sixth)
+    yield measured("flux_radius_order_6", text, length, along, by_scatter, of_two)
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """Errors that the steps of a converter make alike in every revolution, of both coordinates."""
+
+    both: tuple[RepeatedSteps | None, RepeatedSteps | None] = (None, None)
+
+    @staticmethod
+    def of(
+        path: NDArray[np.complex128], begins: NDArray[np.int64], step: float, turns: NDArray[np.float64]
+    ) -> _Steps:
+        """Return those of a path, shape (n,), whose revolutions begin at rows, shape (revolutions + 1,), and
+        where its samples are, in revolutions, shape (n,)."""
+        if not step > 0.0:
+            return _Steps()
+        alpha, beta = (
+            steps_of_periods(np.ascontiguousarray(part), begins, 1, step, turns)
+            for part in (path.real, path.imag)
+        )
+        return _Steps((alpha, beta))
+
+    @property
+    def of_radius(self) -> float:
+        """Standard uncertainty of the mean radius, along which the error of a coordinate is by its share of
+        it."""
+        found = [each for each in self.both if each is not None]
+        deviations = [each.waveform - np.mean(each.waveform) for each in found]
+        return math.hypot(
+            *(each.of_mean(of / np.max(np.abs(of))) for each, of in zip(found, deviations, strict=True))
+        )
+
+    def of_centre(self, centre: complex) -> float:
+        """Standard uncertainty of the distance of a centre from zero."""
+        away = centre / abs(centre) if centre else 1.0
+        shares = (complex(away).real, complex(away).imag)
+        return math.hypot(
+            *(
+                share * each.of_mean()
+                for share, each in zip(shares, self.both, strict=True)
+                if each is not None
+            )
+        )
+
+    def of_span(self, step: float) -> float:
+        """Standard uncertainty of the difference of the extremes of the radius, by those of an ensemble."""
+        alpha, beta = self.both
+        if alpha is None or beta is None:
+            return 0.0 if alpha is beta else step / math.sqrt(6.0)
+        points = min(alpha.errors.shape[1], beta.errors.shape[1])
+        places = [np.arange(points) * each.errors.shape[1] // points for each in (alpha, beta)]
+        read = [
+            each.waveform[at] + each.errors[:, at] for each, at in zip((alpha, beta), places, strict=True)
+        ]
+        # levels of one are anywhere beside those of the other
+        draws = np.random.default_rng(0).permutation(len(read[1]))
+        return float(np.std(np.ptp(np.hypot(read[0], read[1][draws]), axis=1)))
+
+    @property
+    def of_sixth(self) -> float:
+        """Standard uncertainty of order 6 of the radius: half of a coordinate's orders 5 and 7 are in orders
+        -5 and 7 of the path, and half of their power along it."""
+        power = [float(np.sum(each.power_at(np.array([5, 7])))) for each in self.both if each is not None]
+        return math.sqrt(sum(power) / 8.0)
 
 
 def _growth(circle: NDArray[np.complex128]) -> tuple[complex, float]:
@@ -240,19 +305,16 @@ def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) 
     return (slow if slow.standard > by_squares.standard else by_squares), ""
 
 
-def _length(points: NDArray[np.complex128]) -> tuple[float, float]:
-    """Return distance of the mean of points from zero, and the share of it that their scatter explains."""
-    length = float(np.abs(np.mean(points)))
-    variance = error_of_periods(points.real).standard ** 2 + error_of_periods(points.imag).standard ** 2
-    left = length**2 - variance if math.isfinite(variance) else length**2
-    return length, length - math.sqrt(max(0.0, left))
-
-
-def _along(points: NDArray[np.complex128], after: float) -> MeanError:
-    """Of the mean of the points along its direction."""
+def _length(points: NDArray[np.complex128], after: float) -> tuple[float, float, MeanError]:
+    """Return distance of the mean of points from zero, the share of it that their scatter explains, and the
+    error of the mean along its direction."""
     mean = complex(np.mean(points))
-    direction = mean / abs(mean) if mean else 1.0
-    return _of_mean(np.real(points * np.conj(direction)), after)
+    length = abs(mean)
+    turned = points * (np.conj(mean) / length if length else 1.0)
+    along, across = _of_mean(turned.real, after), error_of_periods(turned.imag)
+    variance = along.standard**2 + across.standard**2
+    left = length**2 - variance if math.isfinite(variance) else length**2
+    return length, length - math.sqrt(max(0.0, left)), along
 
 
 def _measure_ripple(window: Window, _: NoSettings) -> Findings:

@@ -184,23 +184,28 @@ def repeated_steps(
 
 
 def steps_of_periods(
-    samples: Floats, begins: NDArray[np.int64], per_revolution: int, step: float
+    samples: Floats,
+    begins: NDArray[np.int64],
+    per_revolution: int,
+    step: float,
+    turns: Floats | None = None,
 ) -> RepeatedSteps | None:
     """Return the errors of a converter's steps in samples, shape (n,), that are the same in every period or,
     where the waveform spans few steps, in every revolution; None where noise hides them.
 
     `begins`, shape (periods + 1,), are the rows at which periods begin, of which so many make a revolution.
+    `turns`, shape (n,), is where samples are, in periods, if it is known.
     """
     of_period = _Repeated.of(samples, begins)
     if _spanned(_without_the_weakest(of_period.phasors, step), step) < _FEW:
-        turns = begins[::per_revolution]
-        is_period = per_revolution == 1 or len(turns) <= _FEWEST_TURNS
-        of_turn = of_period if is_period else _Repeated.of(samples, turns)
+        rows = begins[::per_revolution]
+        is_period = per_revolution == 1 or len(rows) <= _FEWEST_TURNS
+        of_turn = of_period if is_period else _Repeated.of(samples, rows)
         found = of_turn.errors(step, level_of(samples, step))
         if found is not None and found.has_noise:
             return found
     # where the mean lies between levels is off by what it is read wrong
-    return of_period.errors(step)
+    return of_period.errors(step, turns=turns)
 
 
 @dataclass(frozen=True)
@@ -235,9 +240,11 @@ class _Repeated:
             phasors *= _smeared(table, phasors)
         return _Repeated(float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods)
 
-    def errors(self, step: float, level: float | None = None) -> RepeatedSteps | None:
+    def errors(
+        self, step: float, level: float | None = None, turns: Floats | None = None
+    ) -> RepeatedSteps | None:
         return repeated_steps(
-            self.mean, self.phasors, step, self.noise2, self.samples, self.periods, level=level
+            self.mean, self.phasors, step, self.noise2, self.samples, self.periods, turns, level
         )
 
 

@@ -9,7 +9,11 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.normal_extremes import is_no_heavier_than_normal, scatter_of_largest_normal
+from benchtool.analysis.maxima import (
+    is_no_heavier_than_normal,
+    scatter_of_largest_maximum,
+    scatter_of_largest_normal,
+)
 from benchtool.analysis.scatter import FEWEST_EXTREMES, neighbours_alike, scatter_of_largest, tail_index
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 
@@ -25,21 +29,24 @@ _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk 
 
 @dataclass(frozen=True)
 class Tails:
-    """Index of the tails of what differs from period to period, and its rms where it is normal, else nan."""
+    """Index of the tails of what differs from period to period, whether they are no heavier than normal, and
+    the standard deviation of the largest of all samples of normal noise that differs from one to the next, 0
+    where none shows: where a ripple leaves fewer near the largest, it is more."""
 
     index: float
-    normal_rms: float
+    is_light: bool
+    of_normal: float
 
     @staticmethod
     def of(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Tails:
         """Return those of samples, shape (n,), whose periods begin at rows and have counts, both of shape
         (periods,), unless deviations from the periods' mean or second differences show none."""
         # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
-        deviations = _deviations(samples, begin, counts)
-        both = deviations, np.diff(samples, 2)
+        both = _deviations(samples, begin, counts), np.diff(samples, 2)
         index = min(map(tail_index, both))
-        is_normal = not index and all(map(is_no_heavier_than_normal, both))
-        return Tails(index, float(np.std(deviations)) if is_normal else math.nan)
+        is_light = not index and any(map(is_no_heavier_than_normal, both))
+        # of independent values second differences have six times the variance
+        return Tails(index, is_light, scatter_of_largest_normal(both[1], len(samples)) / math.sqrt(6.0))
 
 
 def extremes_of_ripple(samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails) -> float:
@@ -55,12 +62,12 @@ def extremes_of_ripple(samples: Floats, rest: Floats, begin: NDArray[np.int64], 
     largest, least = found[0] if is_told else found[1]
     if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
         return math.nan
-    apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
     together = _grow_together(largest.values, least.values)
-    if not together and all(each.is_plain for each in (largest, least)) and math.isfinite(tails.normal_rms):
-        normal = [scatter_of_largest_normal(each.values, tails.normal_rms) for each in (largest, least)]
-        apart = min(apart, math.hypot(*normal))
-    elif together or len(begin) <= _FEW_EXTREMES:
+    if tails.is_light and not together and largest.is_plain and least.is_plain:
+        both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))
+        return math.hypot(*both)
+    apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
+    if together or len(begin) <= _FEW_EXTREMES:
         # what makes both extremes larger together scatters as their difference does
         apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
     return apart

@@ -45,6 +45,7 @@ _NEIGHBOURS = 2  # values that count as one by chance alone
 _GUMBEL = math.pi / math.sqrt(6.0)
 _EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
 _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
+_DIFFERS = 3.0  # standard deviations of an index
 _FEWEST_OVER_TAIL = (
     4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
 )
@@ -367,13 +368,26 @@ def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> floa
 
     The moment estimator over the largest of the magnitudes, one in `of_tail` (Dekkers, Einmahl and de Haan,
     Ann. Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
-    deviation, with that added: a tail that is found too light gives an extreme that is far too certain.
+    deviation, with that added: a tail that is found too light gives an extreme that is far too certain. A few
+    that are far larger than all others are a tail of their own: where an octave of the largest or more has
+    clearly less, half as many are taken, and so on (Drees and Kaufmann, Stoch. Process. Appl. 75 (1998) 149).
     """
     top = min(len(deviations) // of_tail, _MOST_OF_TAIL)
     if top < _FEWEST_OF_TAIL:
         return 0.0
-    index, standard = _moment_estimate(np.abs(deviations), top)
+    size = np.abs(deviations)
+    tops = [top >> octave for octave in range(int(math.log2(top / _FEWEST_OF_TAIL)) + 1)]
+    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
+    found = [_moment_estimate(largest, each) for each in tops]
+    index, standard = next(each for number, each in enumerate(found) if _is_of_all(each, found[number + 1 :]))
     return index + standard if index > standard else 0.0
+
+
+def _is_of_all(found: tuple[float, float], further: list[tuple[float, float]]) -> bool:
+    """Return whether an index and its standard deviation are not clearly above those further out."""
+    index, standard = found
+    # of nested samples, the variance of a difference is the difference of variances
+    return all(index - of <= _DIFFERS * math.sqrt(max(0.0, u**2 - standard**2)) for of, u in further)
 
 
 def tail_index_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> float:

@@ -132,12 +132,13 @@ _NUMBERS: Final = (
         ("ripple_pp",),
         "Nm",
         "max(x) - min(x)",
-        "how much the peak-to-peak of another record of this length differs: of maximum and minimum pi / "
-        "sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest periods' maxima over the next, over that "
-        "of scale 1 (Gumbel's distribution; of heavy tails Fréchet's), or, of normal noise, the standard "
-        "deviation of Phi^N, if that is less; on a drift no less than their own s, and that of max - min "
-        "where both grow together; none where the ripple grows or falls over the whole record; and "
-        "resolution / sqrt(6), in U a whole step",
+        "how much the peak-to-peak of another record of this length differs: of the largest of the periods' "
+        "maxima and of minima by the generalised extreme value distribution of their L-moments, over all its "
+        "shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
+        "pi / sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest over the next, over that of scale 1 "
+        "(Gumbel's distribution; of heavy tails Fréchet's), and that of max - min where both grow together; "
+        "on a drift no less than their own s; none where the ripple grows or falls over the whole record; "
+        "and resolution / sqrt(6), in U a whole step",
     ),
     (
         ("ripple_rms",),

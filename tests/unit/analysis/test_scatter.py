@@ -86,6 +86,15 @@ def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
     assert tail_index(np.ones(50)) == 0.0
 
 
+def test_few_values_far_larger_than_all_others_are_no_heavy_tail() -> None:
+    random, found = np.random.default_rng(9), []
+    for _ in range(10):
+        noise = random.standard_normal(20_000)
+        noise[random.integers(0, 20_000, 60)] += 30.0 * random.standard_normal(60)
+        found.append(tail_index(noise))
+    assert sum(each == 0.0 for each in found) >= 7
+
+
 def test_tails_known_to_be_heavy_have_an_index_also_where_it_is_not_significant() -> None:
     random = np.random.default_rng(5)
     few = [random.standard_t(3.0, 400) for _ in range(40)]

@@ -1,0 +1,111 @@
+"""By how much the largest of maxima differs from record to record, where no tail is heavy.
+
+The largest of many values has the generalised extreme value distribution F(x) = exp(-(1 - k x)^(1 / k)), and
+the largest of N such maxima has it again, N^-k times as wide (Jenkinson, Quart. J. R. Met. Soc. 81 (1955)
+158). Its shape k is 0 of an exponential tail, 0.1 to 0.3 of normal values, of which thousands come to k = 0
+so slowly that no record shows it, and 2/3 to 1 of a tail that ends, as that of an arc sine or of a uniform
+distribution does. The ratio of the third to the second L-moment of the maxima tells k, and not well of few:
+the variance is the mean over all k, each with the weight that this ratio gives it (Hosking, J. R. Statist.
+Soc. B 52 (1990) 105; Hosking, Wallis and Wood, Technometrics 27 (1985) 251).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.distributions import students_deviation
+
+Floats = NDArray[np.float64]
+
+_SHAPES: Floats = np.linspace(0.01, 1.2, 60)
+_USUAL_SHAPE = 0.25  # mean of the exponential distribution of shapes before any maximum is seen
+_MOST_MAXIMA = 40  # of more, the largest of some each are closer to the distribution
+_FURTHEST, _CELLS = 10.0, 2000  # standard deviations, in a table
+_BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the excess of three uniform values
+_FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
+
+
+def scatter_of_largest_maximum(maxima: Floats, least: float = 0.0) -> float:
+    """Return the standard deviation of the largest of maxima, shape (n,), n > 2, over records of as many.
+
+    The width of the distribution is that of n values, and so the standard deviation that of Student's
+    distribution (JCGM 101:2008, 6.4.9.4). It is `least` at least, in the unit of the maxima.
+    """
+    size = max(1, round(len(maxima) / _MOST_MAXIMA))
+    blocks = np.sort(np.max(maxima[: len(maxima) - len(maxima) % size].reshape(-1, size), axis=1))
+    count = len(blocks)
+    width, skewness = _l_moments(blocks)
+    if not width > 0.0:
+        return least
+    # of the ratio of normal values; of other shapes it is much the same
+    deviation = math.sqrt(0.1866 / count + 0.8 / count**2)
+    ratio, relative = _of_shapes()
+    fit = -0.5 * ((skewness - ratio) / deviation) ** 2 - _SHAPES / _USUAL_SHAPE
+    weight = np.exp(fit - np.max(fit))
+    of_all = relative * (len(maxima) / size) ** -_SHAPES
+    mean_square = float(np.sum(weight * of_all**2) / np.sum(weight))
+    return max(least, students_deviation(float(count)) * width * math.sqrt(mean_square))
+
+
+def is_no_heavier_than_normal(deviations: Floats) -> bool:
+    """Return whether the kurtosis of deviations about zero, shape (n,), is at most by chance above that of
+    normal ones, 3 with a variance of 24 / n."""
+    excess = _excess(deviations)
+    return excess < _BY_CHANCE * math.sqrt(24.0 / max(1, len(deviations)))
+
+
+def scatter_of_largest_normal(deviations: Floats, count: int) -> float:
+    """Return the standard deviation of the largest of `count` independent normal values as deviations, shape
+    (n,), about zero are: of Phi^N (David and Nagaraja, Order Statistics, 3rd ed. 2003, 2.1). It falls with N.
+
+    A few that are far larger than most, as edges are among differences, are left out; it is 0 where the
+    kurtosis of the others is that of a tail that ends.
+    """
+    size = np.abs(deviations)
+    others = deviations[size <= _FAR * float(np.median(size))] if len(size) else deviations
+    if not _LIGHTER < _excess(others) < math.inf:
+        return 0.0
+    return float(np.std(others)) * _of_phi(max(0, round(2.0 * math.log2(max(1, count)))))
+
+
+def _excess(deviations: Floats) -> float:
+    """Return the kurtosis less that of normal values; inf of deviations that are all zero."""
+    square = float(np.mean(deviations**2)) if len(deviations) else 0.0
+    return float(np.mean(deviations**4)) / square**2 - 3.0 if square > 0.0 else math.inf
+
+
+def _l_moments(ordered: Floats) -> tuple[float, float]:
+    """Return the second L-moment of values in order, shape (n,), and the ratio of the third to it."""
+    count, place = len(ordered), np.arange(len(ordered))
+    once = place / (count - 1.0)
+    mean, first, second = (
+        float(np.mean(each * ordered)) for each in (1.0, once, once * (place - 1.0) / (count - 2.0))
+    )
+    width = 2.0 * first - mean
+    return width, (6.0 * second - 6.0 * first + mean) / width if width > 0.0 else 0.0
+
+
+@cache
+def _of_shapes() -> tuple[Floats, Floats]:
+    """Return the ratio of the third to the second L-moment, and the standard deviation over the second, of
+    each of `_SHAPES`."""
+    k = _SHAPES
+    one, two = (np.array([math.gamma(1.0 + by * each) for each in k]) for by in (1.0, 2.0))
+    ratio = 2.0 * (1.0 - 3.0**-k) / (1.0 - 2.0**-k) - 3.0
+    return ratio, np.sqrt(two - one**2) / ((1.0 - 2.0**-k) * one)
+
+
+@cache
+def _of_phi(half_octaves: int) -> float:
+    """Return the standard deviation of the largest of 2^(half_octaves / 2) normal values, over theirs."""
+    value = np.linspace(-_FURTHEST, _FURTHEST, _CELLS)
+    above = np.array([0.5 * math.erfc(each / math.sqrt(2.0)) for each in value])
+    # above the mean by what is above, whose logarithm keeps its digits
+    below = np.where(value > 0.0, np.log1p(-np.minimum(above, 0.5)), np.log(above[::-1]))
+    share, middle = np.diff(np.exp(2.0 ** (0.5 * half_octaves) * below)), 0.5 * (value[1:] + value[:-1])
+    mean = float(share @ middle)
+    return math.sqrt(float(share @ (middle - mean) ** 2))
