@@ -27,6 +27,7 @@ _SINE_FIT_STEPS = 8  # one to find amplitude and phase, then quadratic convergen
 _SINE_FIT_ENOUGH = 1e-9  # rad over half the record
 _NEWTON_STEPS = 6  # quadratic convergence from within 10 %: 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, one to spare
 _NEWTON_ENOUGH = 1e-6  # of a sample: the next step is below rounding
+_ON_A_ROW = 1e-6  # of a sample: a mark that is so little behind a row begins with it
 _REPETITIONS, _MARGIN = 12, 2  # with a convergence of some hundredth each
 _BACKWARDS = 0.02  # of the record: a rotor that runs back for that long has turned around
 _PARTS_OF_THE_WAY = 50
@@ -117,12 +118,22 @@ class PhaseTrack:
                     break
         return numbers
 
+    def period_marks(self) -> NDArray[np.float64]:
+        """Return the sample numbers at which whole periods begin, the first at 0, and that at which the last
+        ends, shape (n + 1,)."""
+        begin = float(self.at(np.zeros(1))[0])
+        phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
+        return self.sample_numbers(phase)
+
     def period_rows(self) -> NDArray[np.int64]:
         """Return the rows that begin whole periods, the first at row 0, and the row after the last, shape (n
         + 1,)."""
-        begin = float(self.at(np.zeros(1))[0])
-        phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
-        return np.ceil(self.sample_numbers(phase) - 1e-6).astype(np.int64)
+        return rows_of_marks(self.period_marks())
+
+
+def rows_of_marks(marks: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the first rows at or behind sample numbers, shape (n,)."""
+    return np.ceil(marks - _ON_A_ROW).astype(np.int64)
 
 
 def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation import counting_step
 from benchtool.analysis.ripple_extremes import FEWEST_PERIODS
 from benchtool.analysis.ripple_scatter import (
@@ -106,24 +106,21 @@ def ripple_numbers(
     """
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
-    begins, per_revolution = (None, 1) if track is None else _periods(track, pole_pairs)
+    # without an angle the machine may slip
+    has_angle = track is not None and track.residual_rad is not None
+    marks = None if track is None else track.period_marks()
     return ripple_of_rows(
         samples,
         unit,
         name,
         record_basis(block),
         rated=rated,
-        begins=begins,
-        per_revolution=per_revolution,
+        begins=None if marks is None else rows_of_marks(marks),
+        marks=marks,
+        per_revolution=pole_pairs if has_angle else 1,
         what=what or channel,
         channel=channel,
     )
-
-
-def _periods(track: PhaseTrack, pole_pairs: int) -> tuple[NDArray[np.int64], int]:
-    """Return the rows at which electrical periods begin, and how many of them make a revolution: without an
-    angle the machine may slip."""
-    return track.period_rows(), pole_pairs if track.residual_rad is not None else 1
 
 
 def ripple_of_rows(
@@ -134,6 +131,7 @@ def ripple_of_rows(
     *,
     rated: float | None = None,
     begins: NDArray[np.int64] | None = None,
+    marks: NDArray[np.float64] | None = None,
     repeated: str = "electrical periods",
     per_revolution: int = 1,
     what: str = "signal",
@@ -143,9 +141,10 @@ def ripple_of_rows(
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
     `begins`, shape (m + 1,), are the rows at which what repeats begins, the first 0, and the row after the
-    last; `repeated` says what that is, `per_revolution` how many make a revolution. Messages name `channel`,
-    or `what` where it is not given. `no_periods` is why nothing tells `begins`, where that is not for lack of
-    an angle, a current or a speed.
+    last, and `marks` the sample numbers at which it does, the first 0, where they are known; `repeated` says
+    what that is, `per_revolution` how many make a revolution. Messages name `channel`, or `what` where it is
+    not given. `no_periods` is why nothing tells `begins`, where that is not for lack of an angle, a current or
+    a speed.
 
     Raises:
         AnalysisError: too short, not finite, or constant.
@@ -154,7 +153,7 @@ def ripple_of_rows(
     step = counting_step(samples)
     scatter = None
     if begins is not None:
-        repeats = Periods(begins, repeated, per_revolution)
+        repeats = Periods(begins, repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
     if scatter is not None:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)

@@ -40,14 +40,29 @@ _PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow li
 class Periods:
     """What repeats in a record: the rows at which it begins, shape (periods + 1,), the first 0, the last the
     row after the last; `name` says what it is. `per_revolution` of them make one of the rotor, 1 where that
-    is not known."""
+    is not known. `marks`, of the same shape, are the sample numbers up to which a row is before, if they are
+    known."""
 
     rows: NDArray[np.int64]
     name: str = "electrical periods"
     per_revolution: int = 1
+    marks: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.rows) - 1
+
+    @property
+    def edges(self) -> Floats:
+        """The marks, or the rows where they are not known."""
+        return self.rows.astype(np.float64) if self.marks is None else self.marks
+
+    def means(self, series: Floats) -> Floats:
+        """Return the means of a series, shape (n,), over each period, from mark to mark: of the row that a
+        mark parts both have their share, as what the rounding to rows brings to one it takes from the
+        next."""
+        sums = np.add.reduceat(series[: self.rows[-1]], self.rows[:-1])
+        parted = (self.rows - self.edges) * series[np.maximum(self.rows - 1, 0)]
+        return np.asarray((sums - np.diff(parted)) / np.diff(self.edges))
 
     def places(self, rows: Floats) -> Floats:
         """Return how far through all of them rows, shape (n,), are, from 0 to 1; behind them it is more, at
@@ -98,7 +113,7 @@ def scatter_of_periods(
     # what lines and the rest have in common is nothing over whole cycles of both
     square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)
     of_square = _slowly(square, repeats)
-    squares = np.add.reduceat(square[: rows[-1]], begin) / counts
+    squares = repeats.means(square)
     rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines))
     # noise as that of the mean moves an amplitude sqrt(2) times as much
     of_lines = 2.0 * math.sqrt(of_mean.of_lines) * of_mean.error.standard if of_mean.of_lines else 0.0
@@ -145,42 +160,45 @@ class _Slowly:
 def _slowly(series: Floats, repeats: Periods) -> _Slowly:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
     course of few constants, such as a drift."""
-    rows, begin, counts, periods = repeats.rows, repeats.rows[:-1], np.diff(repeats.rows), len(repeats)
+    rows, periods = repeats.rows, len(repeats)
     place = repeats.places(np.arange(0.5, len(series)))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
-    incomplete, not_repeated = _of_incomplete(left, rows)
+    incomplete, not_repeated = _of_incomplete(left, repeats)
     of_cycles = 0.0 if lines is None else lines.mean_at(place)
     mean, rest = float(np.mean(series)) - of_cycles - incomplete, left[: rows[-1]]
-    means = np.add.reduceat(rest, begin) / counts
+    means = repeats.means(left)
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
     trend = amplitude_trend(1.0 + (means - middle) / size) if size > 0.0 else None
     if trend is not None:
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:
-        error = at_lowest_frequencies(rest, error_of_series(means), periods)
+        error = at_lowest_frequencies(rest, error_of_series(means), periods, float(repeats.edges[-1]))
     of_mean = 1.0 if lines is None else lines.of_mean
     error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
     course = None if trend is None else means - middle - size * trend.rest
     return _Slowly(left, mean, error, lines, course)
 
 
-def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, float]:
-    """Return by how much the incomplete period behind `rows` moves the mean of a series, shape (n,), and how
-    much that differs from period to period: as much of each whole one has another mean than all of it, but
-    for a drift.
+def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
+    """Return by how much the incomplete period behind the whole ones moves the mean of a series, shape (n,),
+    and how much that differs from period to period: as much of each whole one has another mean than all of
+    it, but for a drift.
 
     Where the speed drifts, the whole periods' mean over time is not that over angle either: by parts, they
     differ by the mean of the ripple's integral times the change of the period.
     """
-    begin, counts = rows[:-1], np.diff(rows)
-    over = len(series) - int(rows[-1])
-    parts = np.minimum(np.round(over * (counts / counts[-1])).astype(np.int64), counts)
-    if not np.all(parts > 0):
+    edges = repeats.edges
+    begin, counts = edges[:-1], np.diff(edges)
+    over = len(series) - float(edges[-1])
+    parts = np.minimum(over * counts / counts[-1], counts)
+    if not over > 0.0:
         return 0.0, 0.0
-    sums = np.concatenate([[0.0], np.cumsum(series[: rows[-1]] - np.mean(series))])
-    of_parts = (sums[begin + parts] - sums[begin]) / parts
-    of_whole = (sums[rows[1:]] - sums[begin]) / counts
+    number = np.arange(len(series) + 1)
+    sums = np.concatenate([[0.0], np.cumsum(series - np.mean(series))])
+    before, within, after = (np.interp(each, number, sums) for each in (begin, begin + parts, edges[1:]))
+    of_parts = (within - before) / parts
+    of_whole = (after - before) / counts
     drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
     apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
     differs = float(np.std(apart, ddof=1))
@@ -188,9 +206,10 @@ def _of_incomplete(series: Floats, rows: NDArray[np.int64]) -> tuple[float, floa
         apart = apart[-max(FEWEST_PERIODS, len(apart) // _OF_LAST) :]
         # they go on to change as they do
         differs = max(float(np.std(apart, ddof=1)), abs(float(apart[-1] - apart[0])))
-    within = sums[1 : rows[-1] + 1] - np.repeat(sums[begin], counts)
-    integral = float(np.mean(np.add.reduceat(within, begin) / counts**2))
-    of_speed = -integral * _growth(counts)
+    rows, whole = repeats.rows, np.diff(repeats.rows)
+    integrals = sums[1 : rows[-1] + 1] - np.repeat(sums[rows[:-1]], whole)
+    integral = float(np.mean(np.add.reduceat(integrals, rows[:-1]) / whole**2))
+    of_speed = -integral * _growth(whole)
     moved = (float(np.mean(apart)) * over + of_speed) / len(series)
     return moved, differs * over / len(series)
 

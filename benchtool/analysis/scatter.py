@@ -211,7 +211,9 @@ def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMO
     return MeanError(slow.standard, slow.dof, is_continued=True)
 
 
-def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0) -> MeanError:
+def at_lowest_frequencies(
+    samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0, length: float | None = None
+) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
     the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
 
@@ -221,14 +223,15 @@ def at_lowest_frequencies(samples: NDArray[np.float64], by_parts: MeanError, per
     density rises below the lowest frequency of the record (`slow_noise`) and gives clearly more than the
     parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
 
-    `periods` are the whole periods that the samples hold of what repeats.
+    `periods` are the whole periods that the samples hold of what repeats, up to `length` of them, by which
+    the last may be more than a row.
     """
     if not math.isfinite(by_parts.standard):
         parts = means_of_parts(samples)
         if not len(parts):
             return by_parts
         by_parts = error_of_series(parts)
-    values = means_of_blocks(samples, periods)
+    values = means_of_blocks(samples, periods, length=length)
     by_parts = without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
     # the scatter of few parts is itself so uncertain that it does not speak against more
@@ -259,9 +262,11 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
 
 
-def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = BLOCKS) -> NDArray[np.float64]:
-    """Return the means of up to so many equal blocks of samples, shape (n,), all of which count: at the edges
-    of blocks a part of a sample.
+def means_of_blocks(
+    samples: NDArray[np.float64], periods: int, blocks: int = BLOCKS, length: float | None = None
+) -> NDArray[np.float64]:
+    """Return the means of up to so many equal blocks of samples, shape (n,), all of which count, or all of
+    that `length`: at the edges of blocks a part of a sample.
 
     Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
     """
@@ -270,10 +275,12 @@ def means_of_blocks(samples: NDArray[np.float64], periods: int, blocks: int = BL
         blocks -= blocks % periods
     if count <= blocks:
         return samples
-    size = count / blocks
+    length = float(count) if length is None else length
+    size = length / blocks
     edges = size * np.arange(1, blocks)
     rows = edges.astype(np.int64)
     within = np.add.reduceat(samples, np.concatenate([[0], rows]))
+    within[-1] -= (count - length) * samples[-1]
     moved = (edges - rows) * samples[rows]  # from the block after the edge to the one before it
     within[:-1] += moved
     within[1:] -= moved
