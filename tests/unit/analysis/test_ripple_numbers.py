@@ -325,8 +325,8 @@ def test_periods_that_end_between_rows_are_cut_there() -> None:
     truths = {"torque_mean": 2.0, "torque_ripple_rms": 0.1 / math.sqrt(2.0)}
     relative: dict[str, list[float]] = {name: [] for name in truths}
     for _ in range(20):
-        samples: Array = 2.0 + 0.1 * np.cos(6.0 * theta_e + random.uniform(0.0, 2.0 * np.pi))
-        samples = samples + 1e-6 * random.standard_normal(len(samples))
+        noise: Array = 1e-6 * random.standard_normal(len(theta_e))
+        samples = 2.0 + 0.1 * np.cos(6.0 * theta_e + random.uniform(0.0, 2.0 * np.pi)) + noise
         found = numbers(samples, track_angle(theta_e, 1))
         for name, truth in truths.items():
             each = found[name]
