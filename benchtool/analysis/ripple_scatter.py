@@ -157,9 +157,9 @@ class _Slowly:
         return self.lines.mean_square if self.lines is not None and self.lines.are_apart else 0.0
 
 
-def _slowly(series: Floats, repeats: Periods) -> _Slowly:
+def _slowly(series: Floats, repeats: Periods, *, pooled: bool = True) -> _Slowly:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
-    course of few constants, such as a drift."""
+    course of few constants, such as a drift; of few periods `pooled` with its density."""
     rows, periods = repeats.rows, len(repeats)
     place = repeats.places(np.arange(0.5, len(series)))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
@@ -173,7 +173,8 @@ def _slowly(series: Floats, repeats: Periods) -> _Slowly:
     if trend is not None:
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:
-        error = at_lowest_frequencies(rest, error_of_series(means), periods, float(repeats.edges[-1]))
+        length = float(repeats.edges[-1])
+        error = at_lowest_frequencies(rest, error_of_series(means), periods, length, pooled=pooled)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
     course = None if trend is None else means - middle - size * trend.rest
@@ -255,7 +256,8 @@ def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> 
         begins = np.arange(_BEGINS) * (math.sqrt(5.0) - 1.0) / 2.0
         shifted = [float(np.mean(beyond.expected(order, lines.at(place + each)))) for each in begins]
         of_cycles = float(np.std(shifted, ddof=1))
-    slowly = _slowly(moved, repeats)
+    # of how few periods have what is beyond, their scatter alone tells
+    slowly = _slowly(moved, repeats, pooled=False)
     incomplete = slowly.mean - float(np.mean(moved))
     linear = MeanError(math.hypot(slowly.error.standard, incomplete, of_cycles), slowly.error.dof)
     of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))

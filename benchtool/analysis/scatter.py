@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
-from benchtool.analysis.lowest_frequencies import slow_noise
+from benchtool.analysis.lowest_frequencies import SlowNoise, slow_noise
 from benchtool.analysis.slow_swing import slow_swing
 from benchtool.analysis.uncertainty import Contribution
 
@@ -33,6 +33,7 @@ _LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
+_MORE, _RISES = 0.25, 0.3  # by chance; octaves, towards zero frequency
 _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
 _ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
@@ -212,7 +213,12 @@ def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMO
 
 
 def at_lowest_frequencies(
-    samples: NDArray[np.float64], by_parts: MeanError, periods: int = 0, length: float | None = None
+    samples: NDArray[np.float64],
+    by_parts: MeanError,
+    periods: int = 0,
+    length: float | None = None,
+    *,
+    pooled: bool = False,
 ) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
     the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
@@ -224,7 +230,7 @@ def at_lowest_frequencies(
     parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
 
     `periods` are the whole periods that the samples hold of what repeats, up to `length` of them, by which
-    the last may be more than a row.
+    the last may be more than a row. The scatter of few parts is `pooled` with the density where both agree.
     """
     if not math.isfinite(by_parts.standard):
         parts = means_of_parts(samples)
@@ -237,12 +243,27 @@ def at_lowest_frequencies(
     # the scatter of few parts is itself so uncertain that it does not speak against more
     clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
     if slow is None or slow.standard < clearly * by_parts.standard:
-        return by_parts
+        return _of_both(by_parts, slow) if slow is not None and pooled else by_parts
     if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts
     if (lowest := _where_none_rises(values, periods)) is not None:
         return max(by_parts, lowest, key=lambda each: each.standard)
     return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, is_continued=True)
+
+
+def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
+    """Return the error by the scatter of few periods and by the density at the lowest frequencies, pooled
+    where that does not rise and the scatter is not more: far more values tell the density than there are
+    periods."""
+    if by_parts.dof > _FEW_PARTS or slow.rise > _RISES:
+        return by_parts
+    own2, of_density2 = (by_parts.standard / students_deviation(by_parts.dof)) ** 2, slow.standard**2
+    dof = 2.0 * _LOWEST
+    if not of_density2 > 0.0 or fisher_above(by_parts.dof, dof, own2 / of_density2) < _MORE:
+        return by_parts
+    both = by_parts.dof + dof
+    pooled2 = (by_parts.dof * own2 + dof * of_density2) / both
+    return MeanError(math.sqrt(pooled2) * students_deviation(both), both)
 
 
 def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:

@@ -320,13 +320,14 @@ def test_percentiles_on_a_drift_are_known_as_well_as_without() -> None:
 
 def test_periods_that_end_between_rows_are_cut_there() -> None:
     """Of a quiet ripple a mean over whole rows is off by what the part of a row holds."""
-    theta_e: Array = 2 * np.pi * np.arange(9_873) / 250.37
+    theta_e: Array = 2 * np.pi * np.arange(9_873, dtype=np.float64) / 250.37
     random = np.random.default_rng(11)
     truths = {"torque_mean": 2.0, "torque_ripple_rms": 0.1 / math.sqrt(2.0)}
     relative: dict[str, list[float]] = {name: [] for name in truths}
     for _ in range(20):
         noise: Array = 1e-6 * random.standard_normal(len(theta_e))
-        samples = 2.0 + 0.1 * np.cos(6.0 * theta_e + random.uniform(0.0, 2.0 * np.pi)) + noise
+        begin = float(random.uniform(0.0, 2.0 * np.pi))
+        samples: Array = np.asarray(2.0 + 0.1 * np.cos(6.0 * theta_e + begin) + noise)
         found = numbers(samples, track_angle(theta_e, 1))
         for name, truth in truths.items():
             each = found[name]

@@ -77,6 +77,22 @@ def test_the_mean_of_a_trend_is_not_known_to_less_than_the_trend() -> None:
     assert not error_of_record(trend).standard < 0.5
 
 
+def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() -> None:
+    random = np.random.default_rng(7)
+    alone: list[float] = []
+    pooled: list[float] = []
+    for _ in range(100):
+        noise = random.standard_normal(2000)
+        by_parts = error_of_series(np.mean(noise.reshape(4, 500), axis=1))
+        for found, both in ((alone, False), (pooled, True)):
+            error = at_lowest_frequencies(noise, by_parts, 4, pooled=both)
+            found.append(error.standard)
+            assert error.standard > 0.0
+    truth = 1.0 / np.sqrt(2000.0)
+    assert all(of_both <= of_parts for of_both, of_parts in zip(pooled, alone, strict=True))
+    assert truth < np.median(pooled) < 0.95 * np.median(alone)
+
+
 def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
     random = np.random.default_rng(5)
     normal = [tail_index(random.standard_normal(20_000)) for _ in range(20)]
