@@ -143,8 +143,8 @@ def ripple_of_rows(
     `begins`, shape (m + 1,), are the rows at which what repeats begins, the first 0, and the row after the
     last, and `marks` the sample numbers at which it does, the first 0, where they are known; `repeated` says
     what that is, `per_revolution` how many make a revolution. Messages name `channel`, or `what` where it is
-    not given. `no_periods` is why nothing tells `begins`, where that is not for lack of an angle, a current or
-    a speed.
+    not given. `no_periods` is why nothing tells `begins`, where that is not for lack of an angle, a current
+    or a speed.
 
     Raises:
         AnalysisError: too short, not finite, or constant.

@@ -15,6 +15,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.quantisation import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import (
     Beside,
     distortions,
@@ -35,9 +36,11 @@ from benchtool.analysis.spectra.harmonics import (
     line_errors,
 )
 from benchtool.analysis.spectra.interharmonics import (
+    Interharmonics,
     between_harmonics,
     noise_of_fit,
     scatter_of_phases,
+    together,
     without,
 )
 from benchtool.analysis.spectra.modulation import phase_noise_rad, with_steady_amplitude
@@ -59,6 +62,7 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _LOW_ORDER = 10
+_ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
 @dataclass(frozen=True)
@@ -102,32 +106,40 @@ def current_spectrum(
     spectrum = spectrum_of(coherent)
     turns = _turns(track, len(samples))
     course = course_of(turns, FIRST_ROW, coherent)
-    others = between_harmonics(coherent, spectrum, course)
+    others, close = _no_harmonics(spectrum, coherent, course)
     by_signal = track.residual_rad is None and track.departure is None
-    if others is not None and by_signal:  # which pull at the fit of its frequency
+    for _ in range(_ROUNDS):
+        taken = together(others, close.lines)
+        if not by_signal or taken is None:
+            break
+        # which pull at the fit of its frequency
         passed = (np.arange(len(samples)) - FIRST_ROW) / coherent.samples
-        track = track_tone(samples - others.at(Course(turns / coherent.periods, passed)), channel)
+        track = track_tone(samples - taken.at(Course(turns / coherent.periods, passed)), channel)
         coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
         spectrum = spectrum_of(coherent)
         turns = _turns(track, len(samples))
         course = course_of(turns, FIRST_ROW, coherent)
-        others = between_harmonics(coherent, spectrum, course)
+        others, close = _no_harmonics(spectrum, coherent, course)
         by_signal = track.departure is None
+        if not close.turned_rad:
+            break
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
-    invalid = clipping(samples) or standing(samples)
-    if not invalid and track.residual_rad is None:
-        invalid = turned_around(coherent, seen, channel)
-    sound = soundness(spectrum, seen, invalid, channel)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
     step = resolution(samples)
-    cleaned = coherent if others is None else without(coherent, others, course)
-    alone = seen.first(coherent.periods) if others is None else wander(cleaned)
+    between = coherent if others is None else without(coherent, others, course)
+    cleaned = between if close.lines is None else without(between, close.lines, course)
+    invalid = clipping(samples) or standing(samples)
+    if not invalid and track.residual_rad is None:
+        invalid = turned_around(cleaned, seen, channel)
+    sound = soundness(spectrum, seen, invalid, channel)
+    alone = seen.first(coherent.periods) if cleaned is coherent else wander(cleaned)
     steady = with_steady_amplitude(cleaned, alone.amplitude, turns, FIRST_ROW)
     clean, with_trend = spectrum_of(steady.samples), None
     if steady.trend is not None:
         with_trend = spectrum_of(cleaned), steady.trend.of_level
-    lines = basis if others is None else replace(basis, window=f"{basis.window}, without {others.words}")
+    taken = together(others, close.lines)
+    lines = basis if taken is None else replace(basis, window=f"{basis.window}, without {taken.words}")
     wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
     level = level_of(samples, step)
     errors = line_errors(
@@ -143,17 +155,29 @@ def current_spectrum(
         None if others is None else noise_of_fit(others, clean, highest, len(coherent.values)),
         with_trend,
     )
+    errors = replace(errors, beside=close.standard[:highest])
     of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
     # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
     is_like_it = others is not None and (track.departure is None or not len(others.places))
+    if close.lines is not None:  # which are in the groups of their harmonics
+        steady = with_steady_amplitude(between, alone.amplitude, turns, FIRST_ROW)
     if groups is not None and (is_like_it or (others is None and steady.trend is not None)):
         of_lines = harmonic_groups(steady.samples, HIGHEST_HARMONIC)
         scatter = (0.0, 0.0) if others is None else scatter_of_phases(clean, others, groups, course)
-        beside = None if of_lines is None else Beside(cleaned, of_lines, *scatter)
+        beside = None if of_lines is None else Beside(between, of_lines, *scatter)
     found = (
-        frequency(clean if by_signal else spectrum, track, seen, basis, rate_relative, sound.of_ratios, step),
+        frequency(
+            clean if by_signal else spectrum,
+            track,
+            seen,
+            basis,
+            rate_relative,
+            sound.of_ratios,
+            step,
+            close.turned_rad,
+        ),
         *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(with_noise(spectrum, basis, channel), sound.of_ratios),
@@ -177,6 +201,15 @@ def current_spectrum(
     if groups is not None:
         tables.append(group_table(groups, "current_groups", unit, group_basis(coherent, groups, basis)))
     return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
+
+
+def _no_harmonics(
+    spectrum: CoherentSpectrum, coherent: CoherentSamples, course: Course
+) -> tuple[Interharmonics | None, CloseLines]:
+    """Return what is between the harmonics, and the lines beside them."""
+    others = between_harmonics(coherent, spectrum, course)
+    clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
+    return others, close_lines(clean, len(coherent.values), HIGHEST_HARMONIC)
 
 
 def _turns(track: PhaseTrack, count: int) -> NDArray[np.float64]:

@@ -112,9 +112,11 @@ def frequency(
     rate_relative: float | None,
     reason: str,
     step: float = 0.0,
+    beside_rad: float = 0.0,
 ) -> Measurement:
     """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
-    `reason` where the signal itself gave it."""
+    `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
+    over the record."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     by_tone = track.residual_rad is None or (track.departure is not None and "itself" in track.source)
     if by_tone and track.residual_rad is not None:
@@ -124,6 +126,8 @@ def frequency(
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
     turned_rad, lines, source = _turned(spectrum, track, seen, by_tone, step)
+    if by_tone and track.departure is None:
+        lines.append(Contribution("a line beside the fundamental", "B", beside_rad))
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in lines]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase

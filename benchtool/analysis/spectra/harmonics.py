@@ -56,7 +56,8 @@ class LineErrors:
     they add. `floor` is that of white noise around the line. `wander` is that of an amplitude that wanders
     too slowly for the bins beside the line, nan where the record is too short to tell it; lines that are
     modulated as the fundamental is have it in common, and so have all where the amplitude `had_trend`.
-    `steps` are the errors of a converter as of samples at equal steps of phase.
+    `steps` are the errors of a converter as of samples at equal steps of phase. `beside` is what steady lines
+    beside a harmonic, which are not in its amplitude, leave open of it.
     """
 
     noise: NDArray[np.float64]
@@ -68,6 +69,7 @@ class LineErrors:
     steps2: NDArray[np.float64]
     wander: NDArray[np.float64]
     fit: NDArray[np.float64]
+    beside: NDArray[np.float64]
     had_trend: bool = False
     steps: RepeatedSteps | None = None
 
@@ -84,7 +86,7 @@ class LineErrors:
     def standard(self) -> NDArray[np.float64]:
         """Combined standard uncertainty of each amplitude."""
         squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2 + self.wander**2
-        squares += self.fit**2
+        squares += self.fit**2 + self.beside**2
         return np.asarray(np.sqrt(squares))
 
     @property
@@ -102,6 +104,7 @@ class LineErrors:
             Contribution("resolution", "B", self.resolution[index]),
             Contribution("wander of the amplitude", "A", 0.0 if of_ratio else self.wander[index]),
             Contribution("tones nearby, taken out", "B", self.fit[index]),
+            Contribution("a line beside the harmonic", "B", self.beside[index]),
         )
         return tuple(each for each in lines if each.standard != 0.0)
 
@@ -214,6 +217,7 @@ def line_errors(
         if with_trend is None
         else with_trend[1] * amplitude,
         fit=np.zeros(orders) if of_fit is None else of_fit * in_phase,
+        beside=np.zeros(orders),
         had_trend=with_trend is not None,
         steps=steps,
     )
@@ -395,12 +399,14 @@ def _content(
     dof = float(np.sum(random**2)) ** 2 / fourth if fourth > 0.0 else math.inf
     beside = MeanError(math.sqrt(float(np.sum(random**2))), dof) if common is None else common
     by_steps, by_fit = weighted(errors.resolution), weighted(errors.fit)
+    by_lines = weighted(errors.beside)
     budget = (
         Contribution("noise and leakage beside the harmonics", "A", beside.standard, beside.dof),
         Contribution("resampling", "B", float(np.sum(weighted(errors.resampling)))),
         Contribution("wander of the phase", "B", float(np.sum(weighted(errors.phase)))),
         Contribution("resolution", "B", math.sqrt(float(np.sum(by_steps**2)))),
         Contribution("tones nearby, taken out", "B", math.sqrt(float(np.sum(by_fit**2)))),
+        Contribution("lines beside the harmonics", "B", math.sqrt(float(np.sum(by_lines**2)))),
     )
     return _Content(
         measured,

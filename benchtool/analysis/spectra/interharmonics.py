@@ -61,7 +61,7 @@ class Interharmonics:
         found = self.start * _decay(self.constant, bins, count)
         for place, phasor in zip(self.places, self.phasors, strict=True):
             near = np.abs(bins - place) < _REACH
-            upper, lower = _sinusoid(place, bins[near], count)
+            upper, lower = sinusoid(place, bins[near], count)
             found[near] += phasor * upper + np.conj(phasor) * lower
         return found
 
@@ -129,6 +129,14 @@ def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> In
 
 def _with_moving(steady: Interharmonics | None, moving: tuple[MovingTone, ...]) -> Interharmonics | None:
     return replace(steady or Interharmonics(), moving=moving) if moving else steady
+
+
+def together(one: Interharmonics | None, other: Interharmonics | None) -> Interharmonics | None:
+    """Return both; of the other the sinusoids alone."""
+    if one is None or other is None:
+        return one or other
+    places, phasors = ((getattr(one, key), getattr(other, key)) for key in ("places", "phasors"))
+    return replace(one, places=np.concatenate(places), phasors=np.concatenate(phasors))
 
 
 def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | None:
@@ -216,7 +224,7 @@ def scatter_of_phases(
     upper, lower = [], []
     for place, phasor in zip(found.places * (size / count), found.phasors, strict=True):
         begin = phasor * np.exp(2j * np.pi * place * window)
-        above, below = _sinusoid(float(place), bins, size)
+        above, below = sinusoid(float(place), bins, size)
         upper.append(begin * above)
         lower.append(np.conj(begin) * below)
     for tone in found.moving:
@@ -239,13 +247,13 @@ def scatter_of_phases(
     return float(of_groups), float(of_subgroups)
 
 
-def _sinusoid(place: float, bins: NDArray[np.int64], count: int) -> tuple[Complex, Complex]:
+def sinusoid(place: float, bins: NDArray[np.int64], count: int) -> tuple[Complex, Complex]:
     """Return what a cosine of amplitude one makes of bins, by its positive and negative frequency."""
     number = bins.astype(np.float64)
-    return _response(place - number, count), _response(-place - number, count)
+    return response(place - number, count), response(-place - number, count)
 
 
-def _response(apart: Floats, count: int) -> Complex:
+def response(apart: Floats, count: int) -> Complex:
     """Return the mean of exp(2 pi j apart n / count) over n = 0 ... count - 1 (Dirichlet's kernel)."""
     return np.asarray(dirichlet(apart, count) * np.exp(1j * np.pi * apart * (count - 1.0) / count))
 
@@ -342,7 +350,7 @@ def _phasors_at(
 
 
 def _units(places: Floats, bins: NDArray[np.int64], count: int) -> Floats:
-    both = [_sinusoid(float(place), bins, count) for place in places]
+    both = [sinusoid(float(place), bins, count) for place in places]
     return np.stack([as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
 
 
@@ -350,7 +358,7 @@ def _slopes(places: Floats, phasors: Complex, bins: NDArray[np.int64], count: in
     """Return what a change of each place makes of the bins."""
     slopes = []
     for place, phasor in zip(places, phasors, strict=True):
-        above, below = (_sinusoid(float(place) + by, bins, count) for by in (_SMALL, -_SMALL))
+        above, below = (sinusoid(float(place) + by, bins, count) for by in (_SMALL, -_SMALL))
         change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
         slopes.append(as_real(change / (2.0 * _SMALL)))
     return np.stack(slopes, axis=1)

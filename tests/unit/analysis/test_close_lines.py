@@ -1,0 +1,99 @@
+"""Steady lines beside a harmonic: told, and taken out; what all harmonics do alike is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.spectra.close_lines import close_lines
+from benchtool.analysis.spectra.current import current_spectrum
+from benchtool.analysis.spectra.interharmonics import Interharmonics
+from benchtool.analysis.spectra.spectrum import coherent_samples, spectrum_of
+from benchtool.block import Block
+
+Array = NDArray[np.float64]
+RATE_HZ, PERIODS, PER_PERIOD, HIGHEST = 10e3, 40.4, 211.3, 50
+LINES = {1: 1.0, 5: 0.03, 7: 0.02, 11: 0.01, 13: 0.005}
+ROW = np.arange(round(PERIODS * PER_PERIOD), dtype=np.float64)
+
+
+def current(random: np.random.Generator, noise: float, turned: Array | float = 0.0) -> Array:
+    theta = 2.0 * np.pi * ROW / PER_PERIOD + turned
+    signal = sum(a * np.cos(k * theta + random.uniform(0, 2 * np.pi)) for k, a in LINES.items())
+    return np.asarray(signal) + noise * random.standard_normal(len(ROW))
+
+
+def beside(order: int, bins: float, amplitude: float, phase: float) -> Array:
+    turns = order * ROW / PER_PERIOD + bins * ROW / len(ROW)
+    return np.asarray(amplitude * np.cos(2.0 * np.pi * turns + phase))
+
+
+def found_in(signal: Array) -> Interharmonics | None:
+    track = PhaseTrack(Polynomial([0.3, 2.0 * np.pi / PER_PERIOD]), len(signal), "as it was made")
+    coherent = coherent_samples(signal, RATE_HZ, track)
+    return close_lines(spectrum_of(coherent), len(coherent.values), HIGHEST).lines
+
+
+def error_of(signal: Array, order: int) -> tuple[float, float]:
+    """Return error and standard uncertainty of a harmonic of a record without an angle."""
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+    row = current_spectrum(block, "i_a", track_tone(signal)).tables[0].rows[order - 1]
+    return row[2] - LINES[order], row[5]
+
+
+def test_noise_alone_has_hardly_any_line() -> None:
+    told = 0
+    for seed in range(20):
+        found = found_in(current(np.random.default_rng(seed), 1e-3))
+        if found is not None:
+            told += int(np.count_nonzero(np.abs(found.phasors) > 1e-4))
+    assert told <= 1
+
+
+@pytest.mark.parametrize(("order", "bins"), [(5, 0.3), (5, -0.7), (7, 0.15), (11, -0.4), (1, 0.6)])
+def test_a_line_beside_a_harmonic_is_told_with_its_distance(order: int, bins: float) -> None:
+    size = 0.3 * LINES[order] if order > 1 else 0.01
+    random = np.random.default_rng(3)
+    found = found_in(current(random, 1e-4) + beside(order, bins, size, 1.0))
+    assert found is not None
+    nearest = int(np.argmax(np.abs(found.phasors)))
+    # the spectrum is over fewer periods than the record
+    apart = (found.places[nearest] - 40 * order) * PERIODS / 40
+    assert apart == pytest.approx(bins, abs=0.05)
+    assert abs(found.phasors[nearest]) == pytest.approx(size, rel=0.1)
+
+
+def test_what_all_harmonics_do_alike_is_no_line() -> None:
+    random, time = np.random.default_rng(5), ROW / len(ROW)
+    turned = 2e-3 * np.sin(2.0 * np.pi * 0.4 * time)
+    found = found_in((1.0 + 0.02 * time) * current(random, 1e-4, turned))
+    assert found is None or np.all(np.abs(found.phasors) < 2e-5)
+
+
+@pytest.mark.parametrize("order", [1, 5])
+def test_a_harmonic_beside_a_line_is_within_its_uncertainty(order: int) -> None:
+    random, within, errors = np.random.default_rng(8), 0, []
+    for _ in range(20):
+        bins, phase = random.uniform(0.1, 0.9) * random.choice([-1, 1]), random.uniform(0, 6.28)
+        size = random.uniform(0.1, 0.5) * LINES[order] * (0.03 if order == 1 else 1.0)
+        error, u = error_of(current(random, 3e-4) + beside(order, bins, size, phase), order)
+        within += abs(error) < 2.0 * u
+        errors.append(abs(error) / size)
+    assert within >= 17
+    assert np.median(errors) < 0.05
+
+
+def test_the_frequency_is_that_without_a_line_beside_the_fundamental() -> None:
+    random = np.random.default_rng(2)
+    signal = current(random, 1e-4) + beside(1, 0.4, 0.02, 0.5)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+    found = current_spectrum(block, "i_a", track_tone(signal)).measurements[0]
+    assert found.uncertainty is not None
+    error = found.value - RATE_HZ / PER_PERIOD
+    assert abs(error) < 2.5 * found.uncertainty.standard
+    assert abs(track_tone(signal).periods / (len(ROW) - 1) * RATE_HZ - RATE_HZ / PER_PERIOD) > 5.0 * abs(
+        error
+    )
