@@ -27,13 +27,14 @@ from benchtool.analysis.spectra.line_models import (
     response,
     steady,
 )
+from benchtool.analysis.spectra.line_pairs import pair_of
 
 _TOGETHER = 12.0  # bins: lines nearer than that are fitted together
 _BESIDE = MAIN_LOBE + 1  # bins of the fit on either side of its lines
 _BY_CHANCE, _DOUBTED = 1e-4, 0.05  # of a steady line
 _EXPLAINED, _FILLED = 0.05, 0.2  # of another model; of a steady line in a band of noise
 _STANDS_OUT, _WIDEST = 5.0, 24  # of the noise; bins on either side of a line that changes
-_MOST_MORE, _APART, _PAIR = 2, 1.0, 0.4  # further lines that are no maxima; bins
+_MOST_MORE, _APART, _TELLS = 2, 1.0, 0.5  # further lines that are no maxima; bins
 _MOST_CHANGE = 2.0  # of an amplitude, of which the mean is stated
 
 NOT_STEADY = (
@@ -85,6 +86,16 @@ def examined(bins: Complexes, count: int, line: Line, lines: Sequence[Line]) -> 
     more = _with_more(together, number, count, clean, line)
     if more is not None:
         return more
+    if len(near) == 1:
+        pair = pair_of(clean, number, count, line.place, line.far)
+        if pair.by_chance > _EXPLAINED and pair.of_amplitude < _TELLS * pair.amplitude:
+            return replace(
+                line,
+                place=pair.place,
+                amplitude=pair.amplitude,
+                of_place=pair.of_place,
+                of_amplitude=pair.of_amplitude,
+            )
     if line.noise > line.far:  # a band of noise beside it
         filled = fitted(steady(number, count), start, clean, number, line.noise)
         if filled is not None and filled.by_chance > _FILLED:
@@ -146,6 +157,7 @@ def _doubted(line: Line, number: Integers, count: int, clean: Complexes) -> Line
     at = places(count)
     shape = np.stack([at.astype(np.complex128), 1j * at**2, (at**2).astype(np.complex128)])
     fit = fitted(changing(number, count, shape), _begun(clean, number, shape, at), clean, number, line.far)
+    line = _or_pair(line, clean, number, count)
     return line if fit is None or fit.by_chance < _BY_CHANCE else _or(line, _of_course(line, fit, shape))
 
 
@@ -192,13 +204,21 @@ def _changing(
         if fit is None or fit.by_chance < _EXPLAINED or abs(fit.unknowns[2] - middle) > width:
             continue
         found = _of_course(line, fit, shape)
-        pair = _started(measured, within, found.place + np.array([-_PAIR, _PAIR]), count)
-        two = fitted(steady(within, count), pair, measured, within, line.far)
-        if two is not None and two.by_chance > _EXPLAINED:  # that beat slowly are as likely
-            both = _of_steady(line, two), _of_steady(line, _in_order(two, (1, 0)))
-            found = _or(found, max(both, key=lambda each: each.amplitude))
-        return replace(found, width=width)
+        return replace(_or_pair(found, measured, within, count), width=width)
     return None
+
+
+def _or_pair(line: Line, measured: Complexes, number: Integers, count: int) -> Line:
+    """Return a line that may as well be two that beat slowly, with that as part of its uncertainty where they
+    explain the bins."""
+    pair = pair_of(measured, number, count, line.place, line.far)
+    if not pair.by_chance > _EXPLAINED:
+        return line
+    return replace(
+        line,
+        of_place=math.hypot(line.of_place, pair.place - line.place, pair.of_place),
+        of_amplitude=math.hypot(line.of_amplitude, pair.amplitude - line.amplitude, pair.of_amplitude),
+    )
 
 
 def _begun(measured: Complexes, number: Integers, parts: Complexes, at: Floats) -> Floats:
