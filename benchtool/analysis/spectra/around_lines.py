@@ -118,7 +118,8 @@ def _response(apart: Floats) -> Floats:
 
 
 def interpolated(size: Floats, place: int) -> tuple[float, float]:
-    """Return how far a line is from its greatest bin, in bins, and the ratio of the second greatest to it."""
+    """Return how far a line is from its greatest bin, in bins, half of one at most, and the ratio of the
+    second greatest to it."""
     side = 1 if size[place + 1] > size[place - 1] else -1
     ratio = float(size[place + side] / size[place])
-    return side * (2.0 * ratio - 1.0) / (1.0 + ratio), ratio
+    return side * max(-0.5, (2.0 * ratio - 1.0) / (1.0 + ratio)), ratio

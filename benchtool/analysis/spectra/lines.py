@@ -12,10 +12,18 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.repeatability import wander_of_line
+from benchtool.analysis.repeated_steps import noise_beside, share_left
 from benchtool.analysis.sensitivity import Sensitivities
-from benchtool.analysis.spectra.around_lines import BESIDE, MAIN_LOBE, RAYLEIGH, interpolated, surrounded
+from benchtool.analysis.spectra.around_lines import (
+    BESIDE,
+    MAIN_LOBE,
+    RAYLEIGH,
+    Surrounded,
+    interpolated,
+    surrounded,
+)
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
@@ -33,6 +41,8 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
+_HANN_POWER = 6.0  # mean square of a bin's amplitude, of white noise, times the samples over that of these
+_MOST_PLACES, _WHOLE = 1 << 16, 0.1
 
 
 @dataclass(frozen=True)
@@ -130,7 +140,8 @@ def sinusoids_of(samples: Floats) -> list[Line]:
     weights = spectral_window("hann", count)
     bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
     size, step = np.abs(bins), counting_step(samples)
-    rows = [_line(bins, size, place, step) for place in _candidates(size)]
+    is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
+    rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
     return _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])
 
 
@@ -193,7 +204,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     return places[bins[places] > level * middle]
 
 
-def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
+def _line(bins: Complexes, size: Floats, place: int, count: int, step: float, is_even: bool) -> Line:
     """Return a sinusoid by the two greatest bins of its maximum, with its uncertainty by noise.
 
     Under a Hann window neighbouring bins have noise with the correlation -2/3, and a sinusoid in them the
@@ -203,12 +214,34 @@ def _line(bins: Complexes, size: Floats, place: int, step: float) -> Line:
     found, own, ratio = surrounded(bins, size, place), float(size[place]), interpolated(size, place)[1]
     component = found.noise / math.sqrt(2.0)
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
-    # what the steps of a sine repeat with it is spread over as many lines as it crosses steps in a period
-    crossed = max(1.0, 4.0 * found.amplitude / step) if step > 0.0 else 1.0
-    of_steps = step * math.sqrt(2.0 / (12.0 * crossed))
+    of_steps = _of_steps(found, count, step, is_even) if step > 0.0 else 0.0
     of_amplitude = math.hypot(component * found.amplitude / own, of_steps)
     far = math.hypot(found.far, of_steps)
     return Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise, far)
+
+
+def _of_steps(line: Surrounded, count: int, step: float, is_even: bool) -> float:
+    """Return the standard uncertainty of the amplitude of a line by what a converter's steps repeat with it.
+
+    Errors are another from step to step that the line crosses in a period, or from sample to sample where n
+    samples take so nearly a whole number of periods that the same n places are read again and again: each has
+    the variance of a step, and the line 2 / n of that. Steps that lie evenly about the mean err alike, with
+    the other sign, half a period later. What noise hides of a step is in its own noise.
+    """
+    crossed = max(1.0, 4.0 * line.amplitude / step)
+    together = np.arange(1.0, max(2.0, min(crossed, float(count), _MOST_PLACES)))
+    turned = together * line.place / count
+    drifts = np.abs(turned - np.round(turned)) * (count / together)
+    places = together * np.maximum(1.0, 2.0 * drifts * crossed)
+    if is_even:  # of an odd number the other half is between the places
+        places = np.where(together % 2.0 == 0.0, 0.5 * places, places)
+    noise_rms = line.far * math.sqrt(count / _HANN_POWER)
+    hidden = share_left(noise_beside(noise_rms**2, step), step) if math.isfinite(noise_rms) else 1.0
+    return hidden * step * math.sqrt(2.0 / (12.0 * min(crossed, float(np.min(places)))))
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) < _WHOLE
 
 
 def _table(

@@ -207,3 +207,43 @@ def test_orders_at_a_stated_speed(direction: float) -> None:
 def test_a_stated_speed_that_makes_no_two_turns_is_refused(omega_m_rad_s: float) -> None:
     with pytest.raises(AnalysisError, match="at least 2 are needed"):
         orders_at_speed(torque((50.0, 0.1)), "torque", omega_m_rad_s)
+
+
+def test_of_two_lines_in_less_than_a_bin_the_larger_is_within_its_uncertainty() -> None:
+    random, within, answered = np.random.default_rng(6), 0, 0
+    time = np.arange(4_000) / 4_000
+    for _ in range(24):
+        turns, apart = random.uniform(100.0, 110.0), random.uniform(0.4, 1.2) * random.choice([-1, 1])
+        share, begin = random.uniform(0.05, 0.6), random.uniform(0, 2 * np.pi, 2)
+        values = (
+            1.0 + 0.1 * np.cos(2 * np.pi * turns * time + begin[0]) + 2e-3 * random.standard_normal(4_000)
+        )
+        values += 0.1 * share * np.cos(2 * np.pi * (turns + apart) * time + begin[1])
+        found = spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values), "torque")
+        amplitude = found.measurements[1]
+        if amplitude.uncertainty is not None:
+            answered += 1
+            within += abs(amplitude.value - 0.1) < 2.0 * amplitude.uncertainty.standard
+    assert answered >= 15
+    assert within >= answered - 2
+
+
+@pytest.mark.parametrize("samples_per_period", [20.0, 7.0, 12.5])
+def test_steps_that_a_rate_repeats_are_in_the_uncertainty(samples_per_period: float) -> None:
+    random, step, errors = np.random.default_rng(4), 2.0 / 2**10, []
+    turns = np.arange(round(200 * samples_per_period)) / samples_per_period
+    for _ in range(30):
+        size = random.uniform(0.4, 1.0)
+        values = size * np.cos(2 * np.pi * (turns + random.uniform())) + random.uniform(0.0, step)
+        read = step * np.round(values / step)
+        block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read)
+        amplitude = spectral_lines(block, "torque").measurements[1]
+        assert amplitude.uncertainty is not None
+        errors.append((amplitude.value - size) / amplitude.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_a_line_without_anything_beside_it_is_no_error() -> None:
+    values = np.tile([0.0, 1.0, 1.0, 0.0, -1.0, -1.0], 100)
+    found = spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values), "torque")
+    assert found.measurements[0].value == pytest.approx(RATE_HZ / 6.0, rel=1e-3)
