@@ -450,8 +450,9 @@ def harmonic_table(
     return Table(
         name,
         "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
-        "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, and "
-        f"resolution, x {_BELOW_THAT:g} where noise alone may read the amplitude",
+        "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, "
+        f"lines within a bin and a half, and resolution, x {_BELOW_THAT:g} where noise alone may read the "
+        "amplitude",
         (
             ("order", ""),
             ("frequency", "Hz"),
