@@ -175,3 +175,11 @@ def _normal_of_student(n: float, t: float) -> float:
     second = ((13.0 * w + 8.0) * w + 3.0) / 96.0
     third = (((35.0 * w + 19.0) * w + 1.0) * w - 15.0) / 384.0
     return t * (1.0 - (first - (second - third / n) / n) / n)
+
+
+def least_odds(by_chance: float) -> float:
+    """Return the least odds of what has this probability by chance against any other cause, at most 1:
+    -e p ln p (Sellke, Bayarri and Berger, Am. Statist. 55 (2001) 62)."""
+    if by_chance >= 1.0 / math.e:
+        return 1.0
+    return -math.e * by_chance * math.log(by_chance) if by_chance > 0.0 else 0.0

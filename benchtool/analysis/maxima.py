@@ -17,6 +17,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.clicks import normal_above
 from benchtool.analysis.distributions import students_deviation
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,7 @@ Floats = NDArray[np.float64]
 _SHAPES: Floats = np.linspace(0.01, 1.2, 60)
 _USUAL_SHAPE = 0.25  # mean of the exponential distribution of shapes before any maximum is seen
 _MOST_MAXIMA = 40  # of more, the largest of some each are closer to the distribution
-_FURTHEST, _CELLS = 10.0, 2000  # standard deviations, in a table
+_OCTAVES = 24  # of numbers of values
 _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the excess of three uniform values
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
@@ -72,6 +73,22 @@ def scatter_of_largest_normal(deviations: Floats, count: int) -> float:
     return float(np.std(others)) * _of_phi(max(0, round(2.0 * math.log2(max(1, count)))))
 
 
+def scatter_of_largest_of_normal(maxima: Floats, noise_rms: float) -> float:
+    """Return the standard deviation of the largest of maxima, shape (n,), over records of as many, where each
+    is the largest of values in normal noise, which may be correlated.
+
+    Of how many independent values each is the largest is told by its deviation, over that of the noise.
+    """
+    of_one, count = float(np.std(maxima, ddof=1)), len(maxima)
+    if not noise_rms > 0.0:
+        return of_one
+    octaves = np.arange(0.0, _OCTAVES + 0.5, 0.5)
+    deviations = np.array([_of_phi(round(2.0 * each)) for each in octaves])
+    own = float(np.interp(-min(1.0, of_one / noise_rms), -deviations, octaves))
+    of_all = float(np.interp(own + math.log2(count), octaves, deviations))
+    return of_one * of_all / float(np.interp(own, octaves, deviations))
+
+
 def _excess(deviations: Floats) -> float:
     """Return the kurtosis less that of normal values; inf of deviations that are all zero."""
     square = float(np.mean(deviations**2)) if len(deviations) else 0.0
@@ -102,8 +119,7 @@ def _of_shapes() -> tuple[Floats, Floats]:
 @cache
 def _of_phi(half_octaves: int) -> float:
     """Return the standard deviation of the largest of 2^(half_octaves / 2) normal values, over theirs."""
-    value = np.linspace(-_FURTHEST, _FURTHEST, _CELLS)
-    above = np.array([0.5 * math.erfc(each / math.sqrt(2.0)) for each in value])
+    value, above = normal_above()
     # above the mean by what is above, whose logarithm keeps its digits
     below = np.where(value > 0.0, np.log1p(-np.minimum(above, 0.5)), np.log(above[::-1]))
     share, middle = np.diff(np.exp(2.0 ** (0.5 * half_octaves) * below)), 0.5 * (value[1:] + value[:-1])

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.clicks import clicks_apart
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve, left_of_steps
 from benchtool.analysis.dynamics.smoothing import Noise
+from benchtool.analysis.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
 from benchtool.analysis.scatter import (
     error_of_record,
     error_of_series,
@@ -25,6 +27,8 @@ from benchtool.analysis.scatter import (
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 Floats = NDArray[np.float64]
+Side = Callable[[Floats], Floats]
+"""From where the greatest of values is looked for: as they are, from below, or by their magnitude."""
 
 _AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
 _FEWEST_SAMPLES = 20  # whose scatter says something
@@ -42,19 +46,22 @@ _SOURCE = "noise of the samples about their course, the row of the first of them
 
 @dataclass(frozen=True)
 class ArrivedSamples:
-    """`values`, shape (n,), from row `first` on, and their `course`, to which noise is added: the smooth
-    curve while they are on their way, and their mean at rest, of which there are the last `at_rest`.
+    """Of `samples` those from row `first` on, `values` of shape (n,), and their `course`, to which noise is
+    added: the smooth curve while they are on their way, and their mean at rest, of which there are the last
+    `at_rest`.
 
     `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
     uncertainty of the mean. `of_times`, shape (n,), is the standard deviation of each value because its time
-    is not known; `others` are the values from other rows, in which they may as well begin, and `shares`,
-    shape (others,), how likely they are.
+    is not known; `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and
+    `shares` how likely each is.
     """
 
-    values: Floats
+    samples: Floats
+    first: int
     course: Floats
     of_times: Floats
-    others: tuple[Floats, ...]
+    rows: NDArray[np.int64]
+    is_moved_by_noise: bool
     shares: Floats
     at_rest: int
     noise: Noise
@@ -85,16 +92,23 @@ class ArrivedSamples:
         places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
         rows, counts = np.unique(places, return_counts=True)
         return cls(
-            values=samples[first:],
+            samples=samples,
+            first=first,
             course=course[first:],
             of_times=of_times[first:],
-            others=tuple(samples[row:] for row in rows),
+            rows=rows,
+            is_moved_by_noise=len(begin.drawn) > 0,
             shares=counts / len(places),
             at_rest=end - rest,
             noise=noise,
             step=step,
             left=left_of_steps(noise.rms, step),
         )
+
+    @property
+    def values(self) -> Floats:
+        """Samples from the first row on, shape (n,)."""
+        return self.samples[self.first :]
 
     @property
     def rms(self) -> float:
@@ -105,34 +119,34 @@ class ArrivedSamples:
         """Return the uncertainty of the mean."""
         of_times = float(np.sqrt(np.sum(self.of_times**2))) / len(self.values)
         noise = [self._of_mean(), Contribution(_TIMES, "A", of_times)]
-        return self._combined(noise, lambda each: float(np.mean(each)), self.left)
+        return _combined(noise, self._of_rows(self.rows, lambda each: float(np.mean(each))), self.left)
 
-    def of_greatest(self, sign: float = 1.0) -> Uncertainty | None:
-        """Return the scatter of the greatest of the values times `sign` over records like this one."""
+    def of_greatest(self, side: Side = np.positive) -> Uncertainty | None:
+        """Return the scatter of the greatest of the values, seen from a side, over records like this one."""
+        name = "distribution of the extremes of such samples"
         noise = [
-            Contribution(
-                "distribution of the extremes of such samples", "A", self._scatter_of_greatest(sign)
-            ),
+            Contribution(name, "A", self._scatter_of_greatest(side)),
             self._of_mean(),
-            Contribution(_TIMES, "A", self._of_greatest_in_time(sign)),
+            Contribution(_TIMES, "A", self._of_greatest_in_time(side)),
         ]
-        return self._combined(noise, lambda each: float(np.max(sign * each)), _UNIFORM * self.step)
+        # noise that moves the instant moves the samples there as much, to the level that it is defined by
+        rows = np.clip(self.rows, self.first - 1, self.first + 1) if self.is_moved_by_noise else self.rows
+        begun = self._of_rows(rows, lambda each: float(np.max(side(each))))
+        return _combined(noise, begun, _UNIFORM * self.step)
 
     def of_least(self) -> Uncertainty | None:
         """Return the scatter of the least value over records like this one."""
-        return self.of_greatest(-1.0)
+        return self.of_greatest(np.negative)
 
     def of_magnitude(self) -> Uncertainty | None:
         """Return the scatter of the greatest magnitude over records like this one."""
-        if np.any(self.of_times) or self._is_heavy:  # at other times that of the other sign may be
-            return self._magnitudes.of_greatest()
-        return self.of_greatest(1.0 if np.max(self.values) >= -np.min(self.values) else -1.0)
+        return self.of_greatest(np.abs)
 
     def of_rms(self) -> Uncertainty | None:
         """Return the uncertainty of the root mean square."""
         rms = self.rms
         if not rms > 0.0:
-            return self._combined([], _rms, _UNIFORM * self.step)
+            return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
         on_the_way = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
         noise = [
             self._of_power(rms),
@@ -144,7 +158,7 @@ class ArrivedSamples:
         # the steps add their own power, and move all samples on one level together
         power = _OF_SQUARE * self.step**2 / (2.0 * rms)
         steps = math.hypot(power, float(np.mean(self.values)) / rms * self.left)
-        return self._combined(noise, _rms, min(steps, _UNIFORM * self.step))
+        return _combined(noise, self._of_rows(self.rows, _rms), min(steps, _UNIFORM * self.step))
 
     def _of_mean(self) -> Contribution:
         if not self.at_rest:
@@ -165,41 +179,70 @@ class ArrivedSamples:
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
 
-    def _scatter_of_greatest(self, sign: float = 1.0) -> float:
-        course, deviations = sign * self.course, sign * (self.values - self.course)
-        # where the largest deviation would make it the greatest
-        open_to = course + np.max(deviations) >= np.max(course + deviations)
-        if np.count_nonzero(open_to) < _FEWEST_SAMPLES:
-            return self.noise.rms
-        tail = (tail_index_of_heavy if self._is_heavy else tail_index)(deviations, _OF_TAIL)
-        scatter = _scatter_of_largest(deviations[open_to], tail)
-        return max(scatter, _drawn_again(course[open_to], deviations[open_to]))
+    def _scatter_of_greatest(self, side: Side) -> float:
+        course, again = side(self.course), self._drawn_again(side)
+        deviations = side(self.values) - course
+        # where the largest deviation would make it the greatest, as that mostly is
+        open_to = course + np.max(deviations) >= np.median(again)
+        on_a_level = self._of_level(deviations[open_to], side) if self.at_rest else 0.0
+        return max(on_a_level, float(np.std(again)))
+
+    def _of_level(self, deviations: Floats, side: Side) -> float:
+        """Return the scatter of the largest of deviations, shape (n,), on one level."""
+        if len(deviations) < _FEWEST_SAMPLES:
+            return 0.0
+        index = (tail_index_of_heavy if self._is_heavy else tail_index)(deviations, _OF_TAIL)
+        maxima = _maxima(deviations)
+        scatter = scatter_of_largest(maxima, index)
+        if not index and is_no_heavier_than_normal(self._settled - self.course[-1]):
+            return min(scatter, scatter_of_largest_of_normal(maxima, self.noise.rms))
+        known = side(self._settled) - side(self.course[-1:])
+        if self._is_heavy and (clicks := clicks_apart(known, self.step)) is not None:
+            of_clicks = clicks.scatter_of_largest(len(deviations) / len(known))
+            tail = 1.0 - clicks.probability
+            return math.sqrt(tail * scatter**2 + clicks.probability * of_clicks**2)
+        return scatter
+
+    def _drawn_again(self, side: Side) -> Floats:
+        """Return the greatest on the course, shape (draws,), by where noise as it is at rest meets it, or as
+        it is elsewhere."""
+        random, count = np.random.default_rng(_SEED), len(self.course)
+        if not self.at_rest:
+            drawn = self.course + self.noise.draw(random, (_DRAWS, count))
+            return np.asarray(np.max(side(drawn), axis=1))
+        noise = np.resize(self._settled - np.mean(self._settled), count)
+        # on the way the course has part of the noise already
+        on_the_way = count - self.at_rest
+        ratio = self._rms_on_the_way(on_the_way) / self.noise.rms if self.noise.rms > 0.0 else 1.0
+        level = np.where(np.arange(count) < on_the_way, min(1.0, ratio), 1.0)
+        begins = random.integers(0, count, _DRAWS).tolist()
+        return np.array([np.max(side(self.course + level * np.roll(noise, begin))) for begin in begins])
+
+    def _rms_on_the_way(self, count: int) -> float:
+        """Return the rms of so many of the values, the first, about the course, if they tell."""
+        deviations = (self.values - self.course)[:count]
+        return _rms(deviations) if count >= _FEWEST_SAMPLES else self.noise.rms
 
     def _of_one_far(self, rms: float) -> float:
         """Return by how much the root mean square is more with the greatest magnitude as much greater as that
         scatters: of heavy tails one sample makes much of it, and most records lack that."""
-        greatest, scatter = float(np.max(np.abs(self.values))), self._magnitudes._scatter_of_greatest()
+        greatest, scatter = float(np.max(np.abs(self.values))), self._scatter_of_greatest(np.abs)
         return (greatest + 0.5 * scatter) * scatter / (len(self.values) * rms)
-
-    @property
-    def _magnitudes(self) -> ArrivedSamples:
-        others = tuple(np.abs(each) for each in self.others)
-        return replace(self, values=np.abs(self.values), course=np.abs(self.course), others=others)
 
     @property
     def _is_heavy(self) -> bool:
         """Whether the tails of the noise are heavier than normal ones."""
         return self.noise.innovations is not None
 
-    def _of_greatest_in_time(self, sign: float) -> float:
-        """Return the rms change of the greatest of the values times `sign` with other times of the rows."""
+    def _of_greatest_in_time(self, side: Side) -> float:
+        """Return the rms change of the greatest of the values, seen from a side, with other times of the
+        rows."""
         if not np.any(self.of_times):
             return 0.0
-        values = sign * self.values
-        far = _FAR * self.of_times
+        values, far = side(self.values), _FAR * self.of_times
         near = np.flatnonzero(values + far >= np.max(values - far))
         moved = np.random.default_rng(_SEED).standard_normal((_DRAWS, len(near))) * self.of_times[near]
-        return _rms(np.max(values[near] + moved, axis=1) - np.max(values))
+        return _rms(np.max(side(self.values[near] + moved), axis=1) - np.max(values))
 
     def _of_times(self, rms: float) -> float:
         return float(np.sqrt(np.sum((self.course * self.of_times) ** 2))) / (rms * len(self.values))
@@ -216,12 +259,17 @@ class ArrivedSamples:
         of_rest = self.noise.of_mean(self.at_rest)
         return max(least, min(1.0, self.noise.of_mean(len(self.values)) / of_rest)) if of_rest else least
 
-    def _combined(
-        self, noise: list[Contribution], of: Callable[[Floats], float], steps: float
-    ) -> Uncertainty | None:
-        moved = np.array([of(each) - of(self.values) for each in self.others])
-        begun = Contribution("row of the first of the samples", "B", math.sqrt(float(self.shares @ moved**2)))
-        return combined([*noise, begun, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+    def _of_rows(self, rows: NDArray[np.int64], of: Callable[[Floats], float]) -> float:
+        """Return the rms change of a number of the values where they begin in other rows, as likely as each
+        is."""
+        found = of(self.values)
+        moved = np.array([of(self.samples[row:]) - found for row in rows.tolist()])
+        return math.sqrt(float(self.shares @ moved**2))
+
+
+def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertainty | None:
+    row = Contribution("row of the first of the samples", "B", begun)
+    return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 
 def _slopes(curve: Floats, scatter: float) -> Floats:
@@ -254,20 +302,13 @@ def _rest(curve: Floats, first: int, band: float) -> int:
     return max(first, _AT_REST * settled, min(_IF_ROOM * settled, (first + end) // 2))
 
 
-def _scatter_of_largest(deviations: Floats, tail: float) -> float:
-    """Return the scatter of the largest of deviations, shape (n,), whose size has a memory: of a line that
-    scatters, the largest of a crest is one value."""
+def _maxima(deviations: Floats) -> Floats:
+    """Return the largest of as many deviations, shape (n,), as count as one where their size has a memory: of
+    a line that scatters, the largest of a crest is one value."""
     apart = math.ceil(len(deviations) / (error_of_series(deviations**2).dof + 1.0) - 1e-9)
     if 1 < apart <= len(deviations) // _FEWEST_MAXIMA:
-        deviations = np.maximum.reduceat(deviations, np.arange(0, len(deviations), apart))
-    return scatter_of_largest(deviations, tail)
-
-
-def _drawn_again(course: Floats, deviations: Floats) -> float:
-    """Return the scatter of the greatest of a course with these deviations in any order, all of shape (n,):
-    of rare ones it matters where they are."""
-    random = np.random.default_rng(_SEED)
-    return float(np.std([np.max(course + random.choice(deviations, len(course))) for _ in range(_DRAWS)]))
+        return np.asarray(np.maximum.reduceat(deviations, np.arange(0, len(deviations), apart)))
+    return deviations
 
 
 def _rms(values: Floats) -> float:

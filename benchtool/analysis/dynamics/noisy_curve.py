@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.dynamics.bursts import noise_levels, residual_levels
 from benchtool.analysis.dynamics.clicks import converter_step
 from benchtool.analysis.dynamics.row_times import scatter_of_times
@@ -212,7 +213,7 @@ class NoisyCurve:
         bias = float(np.mean(highest) - np.max(shape))
         as_it_is = float(np.mean(np.max(values + errors, axis=1))) - greatest
         as_high = np.count_nonzero(highest >= greatest)
-        share = 0.5 + 0.5 * _odds((1.0 + as_high) / (1.0 + len(highest)))
+        share = 0.5 + 0.5 * least_odds((1.0 + as_high) / (1.0 + len(highest)))
         # anywhere between both, evenly, and which of both
         between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
         of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
@@ -321,14 +322,6 @@ class NoisyCurve:
         drawn = (_last(self.values + each, level, band) for each in self.errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         return Passage(found.place, found.reach, places).instant
-
-
-def _odds(by_chance: float) -> float:
-    """Return the least odds of what has this probability by chance against any other cause, at most 1:
-    -e p ln p (Sellke, Bayarri and Berger, Am. Statist. 55 (2001) 62)."""
-    if by_chance >= 1.0 / math.e:
-        return 1.0
-    return -math.e * by_chance * math.log(by_chance)
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

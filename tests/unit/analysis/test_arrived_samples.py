@@ -98,3 +98,30 @@ def test_a_first_row_that_is_one_of_twenty_by_chance_counts() -> None:
     row = math.ceil(place)
     apart = COURSE[row] - COURSE[row - 1]
     assert _standard(samples.of_least()) == pytest.approx(apart * math.sqrt(0.05), rel=0.35)
+
+
+def test_the_greatest_of_normal_noise_scatters_as_such_extremes_do() -> None:
+    random = np.random.default_rng(5)
+    scatter = np.std([np.max(random.standard_normal(ROWS)) for _ in range(400)]) * NOISE
+    found = [_standard(_samples(_noisy(seed)).of_greatest()) for seed in range(10)]
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(scatter, rel=0.25)
+
+
+def test_noise_that_moves_the_first_row_moves_the_samples_there_as_much() -> None:
+    """What the greatest magnitude is where it begins is the level that the instant is defined by."""
+    random = np.random.default_rng(6)
+    far = tuple((ARRIVED.place + 5.0 * random.standard_normal(80)).tolist())
+    error = -0.02 * np.exp(-np.maximum(np.arange(ROWS) - ARRIVED.place, 0.0) / TAU)
+    found = _samples(error, begin=Instant(ARRIVED.place, 5.0, far)).of_magnitude()
+    assert _standard(found) < 2.0 * 0.02 / TAU
+
+
+def test_the_largest_of_clicks_of_one_size_differs_as_they_do() -> None:
+    found = []
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        values = _noisy(seed)
+        hit = random.random(ROWS) < 0.012
+        values[hit] += 10.0 * NOISE * random.choice([-1.0, 1.0], int(np.sum(hit)))
+        found.append(_standard(_samples(values).of_greatest()))
+    assert 0.4 * NOISE < np.median(found) < 2.0 * NOISE
