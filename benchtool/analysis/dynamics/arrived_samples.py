@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +34,8 @@ Side = Callable[[Floats], Floats]
 _AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _FEWEST_MAXIMA = 4
-_SEED, _DRAWS = 20_261_123, 80
+_SEED, _DRAWS, _FEWEST_DRAWS = 20_261_123, 80, 20
+_MOST_VALUES = 1 << 22  # of all draws together, 32 MiB
 _FAR = 3.0  # standard deviations by which a value may be greater
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
@@ -51,14 +53,17 @@ class ArrivedSamples:
     `at_rest`.
 
     `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
-    uncertainty of the mean. `of_times`, shape (n,), is the standard deviation of each value because its time
-    is not known; `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and
-    `shares` how likely each is.
+    uncertainty of the mean. Of shape (n,) are `of_course`, the standard deviation of what noise has left in
+    the course, `of_rest`, how much of the noise that leaves about it, and `of_times`, the standard deviation
+    of each value because its time is not known. `rows`, shape (rows,), are those in which they may as well
+    begin, moved by noise or not, and `shares` how likely each is.
     """
 
     samples: Floats
     first: int
     course: Floats
+    of_course: Floats
+    of_rest: Floats
     of_times: Floats
     rows: NDArray[np.int64]
     is_moved_by_noise: bool
@@ -87,6 +92,8 @@ class ArrivedSamples:
         else:
             course[rest:] = np.mean(samples[rest:])
             noise = Noise.of(samples[rest:])
+        of_course, of_rest = _in_course(curve.errors[:, first:end], noise.rms, given=len(begin.drawn) > 0)
+        of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * _slopes(curve.values, curve.time_scatter)[:rest]
         places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
@@ -95,6 +102,8 @@ class ArrivedSamples:
             samples=samples,
             first=first,
             course=course[first:],
+            of_course=of_course,
+            of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
             is_moved_by_noise=len(begin.drawn) > 0,
@@ -180,12 +189,15 @@ class ArrivedSamples:
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
 
     def _scatter_of_greatest(self, side: Side) -> float:
-        course, again = side(self.course), self._drawn_again(side)
+        again = side(self._drawn_again)
+        tops = np.argmax(again, axis=1)
+        greatest = again[np.arange(len(again)), tops]
+        course = side(self.course)
         deviations = side(self.values) - course
         # where the largest deviation would make it the greatest, as that mostly is
-        open_to = course + np.max(deviations) >= np.median(again)
+        open_to = course + np.max(deviations) >= np.median(greatest)
         on_a_level = self._of_level(deviations[open_to], side) if self.at_rest else 0.0
-        return max(on_a_level, float(np.std(again)))
+        return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
         """Return the scatter of the largest of deviations, shape (n,), on one level."""
@@ -203,25 +215,18 @@ class ArrivedSamples:
             return math.sqrt(tail * scatter**2 + clicks.probability * of_clicks**2)
         return scatter
 
-    def _drawn_again(self, side: Side) -> Floats:
-        """Return the greatest on the course, shape (draws,), by where noise as it is at rest meets it, or as
-        it is elsewhere."""
+    @cached_property
+    def _drawn_again(self) -> Floats:
+        """The course, shape (draws, n), and from where on noise as it is at rest, or elsewhere, meets it."""
         random, count = np.random.default_rng(_SEED), len(self.course)
-        if not self.at_rest:
-            drawn = self.course + self.noise.draw(random, (_DRAWS, count))
-            return np.asarray(np.max(side(drawn), axis=1))
-        noise = np.resize(self._settled - np.mean(self._settled), count)
-        # on the way the course has part of the noise already
-        on_the_way = count - self.at_rest
-        ratio = self._rms_on_the_way(on_the_way) / self.noise.rms if self.noise.rms > 0.0 else 1.0
-        level = np.where(np.arange(count) < on_the_way, min(1.0, ratio), 1.0)
-        begins = random.integers(0, count, _DRAWS).tolist()
-        return np.array([np.max(side(self.course + level * np.roll(noise, begin))) for begin in begins])
-
-    def _rms_on_the_way(self, count: int) -> float:
-        """Return the rms of so many of the values, the first, about the course, if they tell."""
-        deviations = (self.values - self.course)[:count]
-        return _rms(deviations) if count >= _FEWEST_SAMPLES else self.noise.rms
+        draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
+        if self.at_rest:
+            noise = np.resize(self._settled - np.mean(self._settled), count)
+            begins = random.integers(0, count, draws).tolist()
+            drawn = np.array([np.roll(noise, begin) for begin in begins])
+        else:
+            drawn = self.noise.draw(random, (draws, count))
+        return np.asarray(self.course + self.of_rest * drawn)
 
     def _of_one_far(self, rms: float) -> float:
         """Return by how much the root mean square is more with the greatest magnitude as much greater as that
@@ -270,6 +275,21 @@ class ArrivedSamples:
 def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertainty | None:
     row = Contribution("row of the first of the samples", "B", begun)
     return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+
+
+def _in_course(errors: Floats, rms: float, *, given: bool) -> tuple[Floats, Floats]:
+    """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, and
+    how much of that noise is left about it, both of shape (n,). Where the level in the first row is `given`,
+    as of an instant that is defined by it, the first is that of errors that are none there."""
+    count = errors.shape[1]
+    if not len(errors) or not count or not rms > 0.0:
+        return np.zeros(count), np.ones(count)
+    own = np.minimum(np.std(errors, axis=0), rms)
+    about = np.sqrt(1.0 - (own / rms) ** 2)
+    square = float(np.mean(errors[:, 0] ** 2))
+    if given and square > 0.0:
+        errors = errors - errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
+    return np.minimum(np.std(errors, axis=0), rms), about
 
 
 def _slopes(curve: Floats, scatter: float) -> Floats:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -48,6 +49,8 @@ _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever mo
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _UNDECIDED = "because of noise this is undecided"
 _FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
+_MIDDLES = (np.arange(64) + 0.5) / 64  # of parts of a probability
+_NORMAL = np.array([NormalDist().inv_cdf(each) for each in _MIDDLES.tolist()])
 _ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 
@@ -211,9 +214,22 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
     """Return a time from the step to an instant."""
     if found is not None:
-        since = max(0.0, found.place - step.zero)
-        found = Instant(since, math.hypot(found.standard, step.zero_error))
+        found = _after(found.place - step.zero, found.standard, step.zero_error)
     return _interval(step, name, definition, found, reason)
+
+
+def _after(since: float, standard: float, zero_error: float) -> Instant:
+    """Return a time since a step that was anywhere up to sqrt(3) times `zero_error` before.
+
+    It is not negative: its uncertainty is its rms deviation from what is given over those instants at which
+    it is none (as JCGM 106:2012, A.4.4, of prior knowledge).
+    """
+    given, earlier = max(0.0, since), math.sqrt(3.0) * zero_error
+    apart = since + earlier * _MIDDLES[:, np.newaxis] + standard * _NORMAL
+    possible = apart[apart >= 0.0]
+    if not math.isfinite(standard) or since > _FAR_BELOW * standard or not len(possible):
+        return Instant(given, math.hypot(standard, zero_error))
+    return Instant(given, float(np.sqrt(np.mean((possible - given) ** 2))))
 
 
 def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
