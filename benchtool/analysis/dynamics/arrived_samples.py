@@ -92,7 +92,7 @@ class ArrivedSamples:
         else:
             course[rest:] = np.mean(samples[rest:])
             noise = Noise.of(samples[rest:])
-        of_course, of_rest = _in_course(curve.errors[:, first:end], noise.rms, given=len(begin.drawn) > 0)
+        of_course, of_rest = _in_course(curve.errors[:, first:end], noise.rms, begin)
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * _slopes(curve.values, curve.time_scatter)[:rest]
@@ -277,18 +277,23 @@ def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertai
     return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 
-def _in_course(errors: Floats, rms: float, *, given: bool) -> tuple[Floats, Floats]:
+def _in_course(errors: Floats, rms: float, begin: Instant) -> tuple[Floats, Floats]:
     """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, and
-    how much of that noise is left about it, both of shape (n,). Where the level in the first row is `given`,
-    as of an instant that is defined by it, the first is that of errors that are none there."""
+    how much of that noise is left about it, both of shape (n,).
+
+    The level at the instant `begin` is the one that it is defined by: of the error in the first row only
+    what a row after that instant leaves open is there, and of others only what is not correlated with it.
+    """
     count = errors.shape[1]
     if not len(errors) or not count or not rms > 0.0:
         return np.zeros(count), np.ones(count)
     own = np.minimum(np.std(errors, axis=0), rms)
     about = np.sqrt(1.0 - (own / rms) ** 2)
     square = float(np.mean(errors[:, 0] ** 2))
-    if given and square > 0.0:
-        errors = errors - errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
+    if begin.drawn and square > 0.0:
+        # within a row it is evenly distributed
+        known = 1.0 - _UNIFORM / math.hypot(_UNIFORM, begin.standard)
+        errors = errors - known * errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
     return np.minimum(np.std(errors, axis=0), rms), about
 
 

@@ -25,6 +25,7 @@ _OF_MEDIAN = 1.0 / 0.4549  # mean square over median square, of normal values
 _OF_SQUARE = 1.9  # relative standard deviation of that of one row
 _ROUNDING = 1e-6  # of the greatest change from row to row
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_ROUNDS = 10
 _FEWEST_CHANGES = 10
 
 
@@ -78,11 +79,24 @@ def _residuals(samples: Floats) -> Iterator[tuple[Floats, Floats, int]]:
         rows = len(samples) - order
         if rows > order + _FEWEST:
             known = np.stack([samples[lag : lag + rows] for lag in range(order)] + [np.ones(rows)], axis=1)
-            solution, *_ = np.linalg.lstsq(known, samples[order:], rcond=None)
+            solution = _least_deviations(known, samples[order:])
             weights = np.concatenate([[1.0], -solution[order - 1 :: -1]])
             yield samples[order:] - known @ solution, weights, order + 1
             if order == _ORDERS[0]:
                 yield np.convolve(samples, _FOURTH_DIFFERENCE, mode="valid"), _FOURTH_DIFFERENCE, 0
+
+
+def _least_deviations(known: Floats, wanted: Floats) -> Floats:
+    """Return the factors, shape (k,), of the columns of `known`, shape (n, k), by which the sum of magnitudes
+    of what is left of `wanted`, shape (n,), is about least: the few rows in which a transient sets in follow
+    from none before them (iteratively reweighted least squares: Schlossmacher, J. Am. Stat. Assoc. 68 (1973)
+    857)."""
+    weights = np.ones(len(wanted))
+    for _ in range(_ROUNDS):
+        solution, *_ = np.linalg.lstsq(known * weights[:, np.newaxis], wanted * weights, rcond=None)
+        left = np.abs(wanted - known @ solution)
+        weights = 1.0 / np.sqrt(np.maximum(left, float(np.median(left)) + np.finfo(float).tiny))
+    return np.asarray(solution)
 
 
 def _share_of_repeated(samples: Floats) -> float:
