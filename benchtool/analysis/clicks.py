@@ -14,7 +14,7 @@ from benchtool.analysis.distributions import least_odds, students_deviation
 Floats = NDArray[np.float64]
 
 _FURTHEST, _CELLS = 10.0, 2000  # standard deviations, in a table
-_FEWEST_CLICKS, _MOST_CLICKS = 5, 20  # fewer have no deviation to speak of
+_FEWEST_CLICKS, _MOST_CLICKS = 5, 20  # fewer have no deviation to speak of, more are a tail
 _ROUNDING = 1e-9  # of a size
 _JEFFREYS = 0.5  # prior of a Poisson number
 

@@ -208,7 +208,8 @@ class NoisyCurve:
             return greatest + between, unknown
         within = _TIED * self.standard[begin:]
         tied = np.flatnonzero(values + within >= np.max(values - within))
-        shape = _shape(values, tied)
+        # a parabola through a plateau does not bend as its ends do
+        shape = np.minimum(_shape(values, tied), values[tied] + _SURE * self.standard[begin:][tied])
         highest = np.max(shape + errors[:, tied], axis=1)
         bias = float(np.mean(highest) - np.max(shape))
         as_it_is = float(np.mean(np.max(values + errors, axis=1))) - greatest
@@ -223,13 +224,14 @@ class NoisyCurve:
     def least_after_greatest(self) -> tuple[float, float]:
         """Return the least value after the greatest, and its standard uncertainty.
 
-        Of two peaks alike either may be the greatest: what follows is that after the one, or the other.
+        Of two peaks alike either may be the greatest: what follows is that after the one, or the other. What
+        noise lowers the least by is no difference of both.
         """
         top = int(np.argmax(self.values))
         lowest, standard = NoisyCurve(-self.values, -self.errors).greatest(kinked=True, begin=top)
         after = np.minimum.accumulate(self.values[::-1])[::-1]
         tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
-        other = float(np.sqrt(np.mean((after[tops] - after[top]) ** 2)))
+        other = float(np.sqrt(np.mean((np.maximum(after[tops], -lowest) - max(after[top], -lowest)) ** 2)))
         return -lowest, math.hypot(standard, other)
 
     def lowered_after_greatest(self, lowest: float) -> float:

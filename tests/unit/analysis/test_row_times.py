@@ -94,3 +94,14 @@ def test_numbers_of_a_held_signal_are_those_of_its_samples() -> None:
         assert abs(found[name].value - 1e-4 * rows) < 2.0 * uncertainty.standard
         assert uncertainty.standard < 1e-4
     assert "held for 4 rows" in str(found["rise_time"].basis)
+
+
+def test_the_rows_in_which_a_ringing_sets_in_are_no_scatter() -> None:
+    since = np.maximum(np.arange(300.0) - 1.4, 0.0)
+    y = 1.0 - np.exp(-since / 4.1) * np.cos(2.0 * np.pi * since / 6.7)
+    noise = Noise(np.array([1e-6]))
+    found = [
+        scatter_of_times(y + 1e-3 * np.random.default_rng(seed).standard_normal(300), noise, 0.0)
+        for seed in range(10)
+    ]
+    assert np.count_nonzero(found) <= 1

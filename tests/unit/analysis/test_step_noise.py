@@ -185,3 +185,17 @@ def test_an_error_that_the_noise_of_a_reference_hides_has_no_rms() -> None:
     found = _one(y, r + noise, "tracking_error_rms")
     assert math.isnan(found.value)
     assert "not told from the noise of the reference" in found.reason
+
+
+def test_a_latency_is_none_before_its_step_and_less_uncertain_the_later_that_must_have_been() -> None:
+    """The answer is ahead of the row of the step, by most of the row in which that may have been."""
+    rows = np.arange(1000)
+    found = []
+    for ahead in (0.1, 0.9):
+        y = 1.0 - np.exp(-np.maximum(rows - 100 + ahead, 0.0) / 10.0)
+        found.append(_one(y, _step(0.0, 1.0), "step_latency"))
+    late, early = (each.uncertainty for each in found)
+    assert late is not None
+    assert early is not None
+    assert early.standard < 0.95 * late.standard
+    assert found[1].value == 0.0
