@@ -231,7 +231,9 @@ class NoisyCurve:
         lowest, standard = NoisyCurve(-self.values, -self.errors).greatest(kinked=True, begin=top)
         after = np.minimum.accumulate(self.values[::-1])[::-1]
         tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
-        other = float(np.sqrt(np.mean((np.maximum(after[tops], -lowest) - max(after[top], -lowest)) ** 2)))
+        lowered = max(0.0, -lowest - float(after[top]))
+        apart = np.maximum(np.abs(after[tops] - after[top]) - lowered, 0.0)
+        other = float(np.sqrt(np.mean(apart**2)))
         return -lowest, math.hypot(standard, other)
 
     def lowered_after_greatest(self, lowest: float) -> float:
