@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _OUTSIDE = 0.1  # of the bend at a kink: what the curve bends by on both sides of it
+_ROUNDING = 1e-9  # of a slope
 _SIGNIFICANT = 5.0  # standard deviations of a second difference that noise alone does not have
 _OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a sample
 
@@ -69,8 +70,10 @@ def kink(values: Floats, top: int, noise: float) -> Top | None:
     if earlier > fall and 0.0 < (place := (earlier - rise) / (earlier - fall)) < 1.0:
         found.append((-fall * place, -place, max(abs(far_before), abs(after)), abs(before + at)))
     above, place, beside, bend = max(found, default=(0.0, 0.0, 0.0, 1.0))
-    if not above > 0.0:
-        return None
+    if not above > _ROUNDING * (rise - fall):
+        # at the row itself, as near as the courses beside it bend
+        near = max(abs(far_before), abs(before), abs(after), abs(far_after)) / -at
+        return Top(0.0, max(rise, -fall) * near, 0.0, near) if near < _OUTSIDE else None
     if beside < _OUTSIDE * bend:
         # the courses bend on the way to it as they do beside it
         return Top(above, beside, place, min(0.5, math.hypot(beside, _OF_SECOND_DIFFERENCE * noise) / bend))

@@ -12,6 +12,7 @@ from benchtool.analysis import Measurement, analyze_step
 from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
 from benchtool.analysis.dynamics.smoothing import Noise
+from benchtool.analysis.dynamics.tops import kink
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -133,3 +134,12 @@ def test_a_clipped_overshoot_is_none() -> None:
     assert "overshoot is clipped" in clipped["overshoot"].reason
     # a level at rest in steps of a converter is none
     assert math.isfinite(_measured(np.round(noisy, 2))["overshoot"].value)
+
+
+def test_a_corner_just_after_its_row_is_as_uncertain_as_the_courses_bend() -> None:
+    late = np.arange(-20.0, 21.0) - 0.003
+    course = np.where(late < 0.0, 0.015 * late, 0.15 * np.exp(-np.maximum(late, 0.0) / 45.0) - 0.15)
+    found = kink(course, 20, 0.0)
+    assert found is not None
+    assert abs(found.above + float(course[20])) < 2.0 * found.above_error
+    assert found.above_error < 2e-4
