@@ -87,10 +87,9 @@ def _residuals(samples: Floats) -> Iterator[tuple[Floats, Floats, int]]:
 
 
 def _least_deviations(known: Floats, wanted: Floats) -> Floats:
-    """Return the factors, shape (k,), of the columns of `known`, shape (n, k), by which the sum of the magnitudes
-    that remain of `wanted`, shape (n,), is about least: the few rows in which a transient sets in follow
-    from none before them (iteratively reweighted least squares: Schlossmacher, J. Am. Stat. Assoc. 68 (1973)
-    857)."""
+    """Return the factors, shape (k,), of the columns of `known`, shape (n, k), that leave about the least sum
+    of magnitudes of `wanted`, shape (n,): the few rows in which a transient sets in follow from none before
+    them (iteratively reweighted least squares: Schlossmacher, J. Am. Stat. Assoc. 68 (1973) 857)."""
     weights = np.ones(len(wanted))
     for _ in range(_ROUNDS):
         solution, *_ = np.linalg.lstsq(known * weights[:, np.newaxis], wanted * weights, rcond=None)
