@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,10 @@ _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit t
 _MOST_TERMS = 5
 _REWEIGHTED = 3  # fits, each with the weights of the one before
 _LEAST_ERROR = 1e-9  # least error, so that a fit of exact values has weights
+_NO_ZERO = np.ones(1)
+_ZEROS = np.geomspace(0.5, 40.0, 14)
+"""By what a zero multiplies gain^2 at the last of some frequencies, evenly in its logarithm: zeros from a
+sixth of that frequency on, and antiresonances from 1.4 times it on."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +37,13 @@ def gain_at_rest(
     uncorrelated; `shared` of them each tell as much as one, all different ones without it.
 
     1 / gain^2 is a polynomial of f^2 wherever the response has no zeros: of a first-order lag a line, of two
-    poles a parabola, whatever their damping. Of the fits to the lowest frequencies that describe their
-    points, and that no further terms change by more than their uncertainty, each with a term more, the most
-    certain; what that term changes beyond its own scatter is part of the uncertainty. Where none does, the
-    lowest gain stands for it, as far off as it is from the next at least.
+    poles a parabola, whatever their damping. A zero at f_z, as a controller with an integral part has,
+    divides it by 1 + (f / f_z)^2, which a polynomial does not follow beyond f_z. Of the fits to the lowest
+    frequencies that describe their points, and that no richer ones change by more than their uncertainty, the
+    most certain richer one is the answer: the mean of a polynomial with a term more and of those of as many
+    terms over a zero, each by how well it describes the points. What it changes beyond its own scatter is in
+    the uncertainty. Where none does, the lowest gain stands for it, as far off as it is from the next at
+    least.
     """
     inverse = -2.0 * np.log(gain / gain[0])
     standard = np.maximum(2.0 * error, _LEAST_ERROR)
@@ -48,13 +54,18 @@ def gain_at_rest(
     count = 3
     while count <= len(gain):
         lowest = slice(None, count)
-        found = (
-            _intercept(square[lowest], inverse[lowest], standard[lowest], terms, independent[count - 1])
-            for terms in range(1, _MOST_TERMS + 1)
-        )
-        fits = [each for each in found if each is not None and each.value > 0.0]
-        for number, (fit, richer) in enumerate(pairwise(fits)):
-            if not fit.describes or richer.standard >= least or not fit.stays(fits[number + 1 :]):
+        points = square[lowest], inverse[lowest], standard[lowest]
+        freedom = [float(independent[count - 1]) - terms for terms in range(1, _MOST_TERMS + 1)]
+        fits = [_fits(*points, terms + 1, _NO_ZERO) for terms in range(_MOST_TERMS)]
+        plain = [_mean([each], left) for each, left in zip(fits, freedom, strict=True)]
+        richer_of = [
+            _mean([fits[terms], _fits(*points, terms, _ZEROS)], freedom[terms])
+            for terms in range(1, _MOST_TERMS)
+        ]
+        for number, (fit, richer) in enumerate(zip(plain, richer_of, strict=False)):
+            if fit is None or richer is None or not fit.describes or richer.standard >= least:
+                continue
+            if not fit.stays([*plain[number + 1 :], *richer_of[number:]]):
                 continue
             least = richer.standard
             # a term more scatters by the difference of the variances (Hausman, Econometrica 46 (1978) 1251)
@@ -72,37 +83,58 @@ class _Intercept:
     standard: float
     describes: bool
 
-    def stays(self, richer: Sequence[_Intercept]) -> bool:
-        """Return whether none of the fits with more terms is elsewhere."""
+    def stays(self, richer: Sequence[_Intercept | None]) -> bool:
+        """Return whether none of the richer fits is elsewhere."""
         return all(
             abs(each.value - self.value) <= _FITS * math.hypot(each.standard, self.standard)
             for each in richer
+            if each is not None
         )
 
 
-def _intercept(
-    places: Floats, logarithms: Floats, error: Floats, terms: int, independent: float
-) -> _Intercept | None:
-    """Return the value at zero of a polynomial whose logarithms at the places are given with their errors, as
-    if uncorrelated, where so many of them are; None with fewer of these than it has terms.
+def _mean(fits: Sequence[tuple[Floats, Floats, Floats]], freedom: float) -> _Intercept | None:
+    """Return the mean of the values at zero of kinds of fits, each as likely as another before the points
+    tell, by how well they describe them; None without a degree of freedom, or one that is above zero.
+
+    Variance within and between them (Hoeting, Madigan, Raftery and Volinsky, Statistical Science 14 (1999)
+    382, equations 1 to 3).
+    """
+    values, variances, squares = (np.concatenate(each) for each in zip(*fits, strict=True))
+    least = float(np.min(squares))
+    if not freedom > 0.0 or not math.isfinite(least):
+        return None
+    scatter = max(1.0, least / freedom)
+    before = np.concatenate([np.full(len(each), 1.0 / len(each)) for each, _, _ in fits])
+    weights = before * np.exp(-0.5 * (squares - least) / scatter)
+    weights /= np.sum(weights)
+    value = float(weights @ values)
+    variance = float(weights @ (scatter * variances + (values - value) ** 2))
+    describes = least / freedom <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
+    return _Intercept(value, math.sqrt(variance), describes) if value > 0.0 else None
+
+
+def _fits(
+    places: Floats, logarithms: Floats, error: Floats, terms: int, zeros: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return the values at zero of polynomials over each of the zeros, whose logarithms at the places are
+    given with their errors, as if uncorrelated; their variances; and the sums of the squares that they leave,
+    infinite where one falls to zero between.
 
     Logarithms of gains are not biased by their errors, which reciprocals are; and weights that follow from
     the polynomial do not prefer the values that are small by chance.
     """
-    freedom = independent - terms
-    if not freedom > 0.0:
-        return None
-    powers = (places / places[-1])[:, np.newaxis] ** np.arange(terms)
-    polynomial, left = np.exp(logarithms), np.zeros(len(places))
+    reach = places / places[-1]
+    powers = reach[:, np.newaxis] ** np.arange(terms)
+    logarithms = logarithms + np.log1p(np.multiply.outer(zeros - 1.0, reach))
+    polynomial, left = np.exp(logarithms), np.zeros(logarithms.shape)
+    above = np.ones(len(zeros), dtype=np.bool_)
     for _ in range(_REWEIGHTED):
-        columns = powers / (error * polynomial)[:, np.newaxis]
-        solution, *_ = np.linalg.lstsq(columns, (1.0 + left) / error, rcond=None)
-        polynomial = powers @ solution
-        if not np.all(polynomial > 0.0):
-            return None
+        columns = powers / (error * polynomial)[:, :, np.newaxis]
+        inverse = np.linalg.pinv(columns)
+        solution = (inverse @ ((1.0 + left) / error)[:, :, np.newaxis])[:, :, 0]
+        found = solution @ powers.T
+        above &= np.all(found > 0.0, axis=1)
+        polynomial = np.where(above[:, np.newaxis], found, polynomial)
         left = logarithms - np.log(polynomial)
-    mean_square = float(np.sum((left / error) ** 2)) / freedom
-    variance = float(np.linalg.pinv(columns.T @ columns)[0, 0]) * max(1.0, mean_square)
-    return _Intercept(
-        float(solution[0]), math.sqrt(variance), mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
-    )
+    squares = np.where(above, np.sum((left / error) ** 2, axis=1), math.inf)
+    return solution[:, 0], np.sum(inverse[:, 0, :] ** 2, axis=1), squares
