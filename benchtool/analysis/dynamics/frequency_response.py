@@ -23,6 +23,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.dynamics.drift_between_rests import drift_between_rests
 from benchtool.analysis.dynamics.estimated_response import (
     EXCITED,
     NO_NOISE,
@@ -59,7 +60,7 @@ _NEAR, _STEP_NEAR = 16, 2  # so many reaches from zero frequency a fit stands at
 _DENSE = 5.0  # bins of 17: a sweep uses most, noise half, an input that repeats itself four times a quarter
 _REST_SHARE = 0.01  # of the record, at either end
 _AT_REST = 1e-3  # rms deviation there over that of all
-_CLEARLY = 5.0  # standard deviations of white noise: slower noise scatters more
+_ALIKE = 8.0  # frequencies of the lowest over which what is left of a drift is the same
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
 _OF_CORRECTION = 0.25  # of what noise of a sweeping input biases: its standard uncertainty
 _OVERLAP_LOSS = 2.0 / 36.0  # twice the squared correlation of half-overlapping Hann windows, (1/6)^2
@@ -203,16 +204,22 @@ def local_response(
     Around each eighth bin, of the lowest 128 around each second, the response and what the ends of the record
     leave in are fitted to 17 bins (`local_polynomial`); where the input is constant over the first and the
     last hundredth of the record, nothing is left in but a drift of the output between them, which is taken
-    out. `coherence` is what the error of the fit amounts to.
+    out, with what it may be in the errors. `coherence` is what the error of the fit amounts to.
 
     Raises:
         AnalysisError: too short for one fit.
     """
     r = x if stimulus is None else stimulus
     at_rest = _begins_and_ends_at_rest(r)
+    drifts: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
     if at_rest:
-        y = _without_drift(r, y)
-        x = x if stimulus is None else _without_drift(r, x)
+        of_y = drift_between_rests(r, y)
+        y = y - of_y.course
+        drifts.append((y, of_y.doubts))
+        if stimulus is not None:
+            of_x = drift_between_rests(r, x)
+            x = x - of_x.course
+            drifts.append((x, of_x.doubts))
     x_bins, y_bins = fft.rfft(x)[1:], fft.rfft(y)[1:]
     last = len(x_bins) - REACH
     near = min(_NEAR * REACH, last)
@@ -245,6 +252,12 @@ def local_response(
     shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / np.maximum(
         error**2, np.finfo(np.float64).tiny
     )
+    for samples, doubts in drifts:
+        of_drift, own = _of_doubts(r, samples, doubts, at), error
+        error = np.hypot(own, of_drift)
+        shared = (shared * own**2 + np.maximum(shared, _ALIKE) * of_drift**2) / np.maximum(
+            error**2, np.finfo(np.float64).tiny
+        )
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(
@@ -261,6 +274,21 @@ def local_response(
         f"{ends}{by}",
         at_rest=in_common,
     )
+
+
+def _of_doubts(
+    r: NDArray[np.float64], y: NDArray[np.float64], doubts: NDArray[np.float64], at: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return what errors of an output `y`, shape (k, n), make of its response to `r`, relative to that, shape
+    (m,)."""
+    error = np.zeros(len(at))
+    if len(doubts):
+        r_bins = fft.rfft(r)[1:]
+        size = np.abs(local_fit(r_bins, fft.rfft(y)[1:], at, at_rest=True).response)
+        for doubt in doubts:
+            made = np.abs(local_fit(r_bins, fft.rfft(doubt)[1:], at, at_rest=True).response)
+            error = np.hypot(error, made / np.maximum(size, np.finfo(np.float64).tiny))
+    return error
 
 
 def _without_input_noise(found: LocalFit, noise: InputNoise | None) -> tuple[LocalFit, NDArray[np.bool_]]:
@@ -283,20 +311,3 @@ def _begins_and_ends_at_rest(x: NDArray[np.float64]) -> bool:
     # at the same value: a step between the ends would be a transient of the periodic continuation
     ends = np.concatenate([x[:rows], x[-rows:]])
     return bool(np.max(np.abs(ends - x[0])) <= largest)
-
-
-def _without_drift(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an output, shape (n,), less the straight line along which it drifts between the ends where its
-    input is at rest, if it clearly does."""
-    moving = np.flatnonzero(np.abs(x - x[0]) > _AT_REST * float(np.std(x)))
-    if len(moving) == 0:
-        return y
-    begin, end = int(moving[0]), len(x) - 1 - int(moving[-1])
-    # the later half of what follows the stimulus: the answer has died away
-    before, after = y[:begin], y[len(y) - end // 2 :]
-    noise = math.hypot(*(float(np.std(each)) / math.sqrt(max(1, len(each))) for each in (before, after)))
-    change = float(np.mean(after) - np.mean(before))
-    if abs(change) <= _CLEARLY * noise:
-        return y
-    apart = len(y) - 0.5 * (len(before) + len(after))
-    return np.asarray(y - change / apart * np.arange(len(y)))
