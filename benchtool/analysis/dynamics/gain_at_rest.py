@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 
 _LONGER = 1.5
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
+_CLEARLY = 3.0  # of these, of a piece: there are many
 _MOST_TERMS = 5
 _REWEIGHTED = 3  # fits, each with the weights of the one before
 _LEAST_ERROR = 1e-9  # least error, so that a fit of exact values has weights
@@ -51,15 +52,16 @@ def gain_at_rest(
     independent = np.cumsum(np.ones(len(gain)) if shared is None else 1.0 / shared)
     apart = abs(float(gain[:2][-1] / gain[0]) - 1.0)
     best, least = GainAtRest(float(gain[0]), math.hypot(float(error[0]), apart)), math.inf
-    count = 3
+    count, counts = 3, []
     while count <= len(gain):
+        counts.append(count)
         lowest = slice(None, count)
         points = square[lowest], inverse[lowest], standard[lowest]
-        freedom = [float(independent[count - 1]) - terms for terms in range(1, _MOST_TERMS + 1)]
+        pieces = independent[np.array(counts) - 1]
         fits = [_fits(*points, terms + 1, _NO_ZERO) for terms in range(_MOST_TERMS)]
-        plain = [_mean([each], left) for each, left in zip(fits, freedom, strict=True)]
+        plain = [_mean([each], counts, pieces, terms + 1) for terms, each in enumerate(fits)]
         richer_of = [
-            _mean([fits[terms], _fits(*points, terms, _ZEROS)], freedom[terms])
+            _mean([fits[terms], _fits(*points, terms, _ZEROS)], counts, pieces, terms + 1)
             for terms in range(1, _MOST_TERMS)
         ]
         for number, (fit, richer) in enumerate(zip(plain, richer_of, strict=False)):
@@ -92,15 +94,23 @@ class _Intercept:
         )
 
 
-def _mean(fits: Sequence[tuple[Floats, Floats, Floats]], freedom: float) -> _Intercept | None:
+def _mean(
+    fits: Sequence[tuple[Floats, Floats, Floats]], counts: Sequence[int], independent: Floats, terms: int
+) -> _Intercept | None:
     """Return the mean of the values at zero of kinds of fits, each as likely as another before the points
     tell, by how well they describe them; None without a degree of freedom, or one that is above zero.
+
+    The lowest `counts` of points are so many `independent` ones, the last of these all. The best fit
+    describes them if it misses no such piece by more than chance: many points far above would hide that.
 
     Variance within and between them (Hoeting, Madigan, Raftery and Volinsky, Statistical Science 14 (1999)
     382, equations 1 to 3).
     """
-    values, variances, squares = (np.concatenate(each) for each in zip(*fits, strict=True))
-    least = float(np.min(squares))
+    values, variances, left = (np.concatenate(each) for each in zip(*fits, strict=True))
+    squares = np.cumsum(left, axis=1)[:, np.array(counts) - 1]
+    best, freedom = int(np.argmin(squares[:, -1])), float(independent[-1]) - terms
+    squares, of_best = squares[:, -1], squares[best]
+    least = float(of_best[-1])
     if not freedom > 0.0 or not math.isfinite(least):
         return None
     scatter = max(1.0, least / freedom)
@@ -109,7 +119,8 @@ def _mean(fits: Sequence[tuple[Floats, Floats, Floats]], freedom: float) -> _Int
     weights /= np.sum(weights)
     value = float(weights @ values)
     variance = float(weights @ (scatter * variances + (values - value) ** 2))
-    describes = least / freedom <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
+    misses = np.any(of_best > independent + _CLEARLY * np.sqrt(2.0 * independent))
+    describes = not misses and least / freedom <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
     return _Intercept(value, math.sqrt(variance), describes) if value > 0.0 else None
 
 
@@ -117,8 +128,8 @@ def _fits(
     places: Floats, logarithms: Floats, error: Floats, terms: int, zeros: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Return the values at zero of polynomials over each of the zeros, whose logarithms at the places are
-    given with their errors, as if uncorrelated; their variances; and the sums of the squares that they leave,
-    infinite where one falls to zero between.
+    given with their errors, as if uncorrelated; their variances; and the squares that they leave at each
+    place, shape (fits, places), infinite where one falls to zero between.
 
     Logarithms of gains are not biased by their errors, which reciprocals are; and weights that follow from
     the polynomial do not prefer the values that are small by chance.
@@ -136,5 +147,5 @@ def _fits(
         above &= np.all(found > 0.0, axis=1)
         polynomial = np.where(above[:, np.newaxis], found, polynomial)
         left = logarithms - np.log(polynomial)
-    squares = np.where(above, np.sum((left / error) ** 2, axis=1), math.inf)
+    squares = np.where(above[:, np.newaxis], (left / error) ** 2, math.inf)
     return solution[:, 0], np.sum(inverse[:, 0, :] ** 2, axis=1), squares

@@ -36,6 +36,23 @@ def test_a_gain_that_is_level_by_chance_is_not_that_at_rest() -> None:
     assert float(np.mean(np.abs(missed) < 2.0)) > 0.9
 
 
+def test_a_loop_with_an_integral_part_rises_just_above_rest() -> None:
+    """The zero of its controller is where polynomials of f^2 end; errors hide that they are off."""
+    frequency_Hz = np.arange(1.0, 120.0, 0.5)
+    random = np.random.default_rng(5)
+    missed = []
+    for _ in range(80):
+        zero_Hz = random.uniform(3.0, 8.0)
+        s = 1j * frequency_Hz / 30.0
+        opened = (s + zero_Hz / 30.0) / s**2 * np.exp(-0.15 * s)
+        error = np.full(len(frequency_Hz), 0.02)
+        gain = np.abs(opened / (1.0 + opened)) * np.exp(error * random.standard_normal(len(error)))
+        found = gain_at_rest(frequency_Hz, gain, error)
+        missed.append((found.gain - 1.0) / found.relative_error)
+    assert 0.4 < _rms(missed) < 1.4
+    assert float(np.mean(np.abs(missed) < 2.0)) > 0.85
+
+
 @pytest.mark.parametrize("alike", [1, 4])
 def test_neighbours_with_one_error_count_once(alike: int) -> None:
     frequency_Hz = np.arange(1.0, 161.0)
