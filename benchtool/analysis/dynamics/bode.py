@@ -26,6 +26,7 @@ from benchtool.analysis.dynamics.frequency_response import frequency_response
 from benchtool.analysis.dynamics.gain_at_rest import gain_at_rest
 from benchtool.analysis.dynamics.margins import margins
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
+from benchtool.analysis.dynamics.response_delay import response_delay
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.sensitivity import NO_SENSORS, SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.torque import TORQUE
@@ -38,7 +39,6 @@ from benchtool.errors import AnalysisError
 
 _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
-_FEWEST_FOR_A_LINE = 3
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
 _BY_CHANCE = 0.05  # probability that the greatest of many errors looks like a peak
 _PLAYED = "stimulus"
@@ -176,10 +176,9 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     has_fallen = down is not None and (math.isnan(down.standard_Hz) or not down.undefined_because)
     yield _resonance(relative, rest_dB, has_fallen, basis)
 
-    limit_Hz = (
-        down.frequency_Hz if down is not None and not down.undefined_because else float(frequency_Hz[-1])
-    )
-    yield _delay(frequency_Hz, phase, error, limit_Hz, basis)
+    bandwidth = None if down is None or down.undefined_because else down
+    yield response_delay(frequency_Hz, gain, phase, error, bandwidth, basis)
+    limit_Hz = float(frequency_Hz[-1]) if bandwidth is None else bandwidth.frequency_Hz
 
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
     text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
@@ -230,27 +229,6 @@ def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis:
 def _greatest_by_chance(count: int) -> float:
     """Return what the greatest of so many normal errors exceeds by chance, in standard deviations."""
     return NormalDist().inv_cdf(1.0 - _BY_CHANCE / count)
-
-
-def _delay(frequency_Hz: Floats, phase: Floats, error: Floats, limit_Hz: float, basis: Basis) -> Measurement:
-    """Return the slope of the phase, by a line that need not pass through zero at dc."""
-    name = "response_delay"
-    text = f"-1/(2 pi) x slope of the least-squares line of phase over frequency, up to {limit_Hz:.4g} Hz"
-    inside = frequency_Hz <= limit_Hz
-    count = int(np.count_nonzero(inside))
-    if count < _FEWEST_FOR_A_LINE:
-        reason = f"{count} frequencies up to there, at least {_FEWEST_FOR_A_LINE} are needed"
-        return Measurement.undefined(name, "s", text, reason, basis)
-    omega = 2.0 * np.pi * frequency_Hz[inside]
-    columns = np.stack([omega, np.ones(count)], axis=1)
-    (slope, _), *_ = np.linalg.lstsq(columns, phase[inside], rcond=None)
-    across = omega - np.mean(omega)
-    # the line is what is defined, however the phase bends about it
-    spread = math.sqrt(float(np.sum((across * error[inside]) ** 2))) / float(np.sum(across**2))
-    uncertain = Uncertainty(spread, f"{_STATISTICAL}, of the phase")
-    return Measurement(
-        name, -float(slope), "s", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-    )
 
 
 def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
@@ -356,7 +334,9 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("response_delay",),
             "s",
-            "`-1 / (2 pi)` x slope of the least-squares line of phase over frequency, up to `bandwidth_3dB`",
+            "`-1 / (2 pi)` x slope of the least-squares line of phase over frequency, all frequencies alike, "
+            "from a tenth of `bandwidth_3dB`, or the lowest frequency used if that is higher, up to "
+            "`bandwidth_3dB`; without that up to the highest used",
         ),
         Quantity(
             ("coherence_min", "coherence_median"), "", "of the excited frequencies up to `bandwidth_3dB`"
