@@ -8,6 +8,7 @@ from benchmarks.coverage import (
     answers,
     channels,
     coarse,
+    controlled,
     disturbances,
     dynamic,
     encounters,
@@ -45,6 +46,7 @@ FAMILIES: Mapping[str, Family] = {
         *lines.FAMILIES,
         *near_lines.FAMILIES,
         *coarse.FAMILIES,
+        *controlled.FAMILIES,
         *sensors.FAMILIES,
         *sensed_answers.FAMILIES,
     )
