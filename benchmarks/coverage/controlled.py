@@ -51,7 +51,10 @@ def controlled_trial(what: Controlled, random: np.random.Generator) -> Iterator[
     block = Block.from_arrays(_RATE_HZ, {"x": "A", "y": "A"}, x=x, y=y)
     period = _PERIOD if what.excitation == "lines" else None
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
-    yield from selected(found, _truths(numerator, denominator))
+    truths = dict(_truths(numerator, denominator))
+    if not all(math.isfinite(each.value) for each in found if each.name == "bandwidth_3dB"):
+        del truths["response_delay"]  # it is that up to another frequency, which it states
+    yield from selected(found, truths)
 
 
 def _loop(random: np.random.Generator) -> tuple[Floats, Floats]:
