@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 _LONGER = 1.5
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
-_CLEARLY = 3.0  # of these, of a piece: there are many
+_CLEARLY = 3.0  # standard deviations of a normal value that is as rare as what a piece leaves: there are many
 _MOST_TERMS = 5
 _REWEIGHTED = 3  # fits, each with the weights of the one before
 _LEAST_ERROR = 1e-9  # least error, so that a fit of exact values has weights
@@ -119,7 +119,9 @@ def _mean(
     weights /= np.sum(weights)
     value = float(weights @ values)
     variance = float(weights @ (scatter * variances + (values - value) ** 2))
-    misses = np.any(of_best > independent + _CLEARLY * np.sqrt(2.0 * independent))
+    # quantile of chi squared (Wilson and Hilferty, Proc. Nat. Acad. Sci. 17 (1931) 684)
+    ninth = 2.0 / (9.0 * independent)
+    misses = np.any(of_best > independent * (1.0 - ninth + _CLEARLY * np.sqrt(ninth)) ** 3)
     describes = not misses and least / freedom <= 1.0 + _FITS * math.sqrt(2.0 / freedom)
     return _Intercept(value, math.sqrt(variance), describes) if value > 0.0 else None
 
