@@ -35,6 +35,7 @@ _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its er
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
+_TROUGH = 2.0  # times as many, below a level that it has passed: no noise of a rise
 _LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
@@ -273,7 +274,7 @@ class NoisyCurve:
         not, and before the first sample where that is above already.
 
         Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
-        placed after as many samples as lie below the level.
+        placed after as many samples as lie below the level. A trough that noise does not make ends that.
         """
         found = self.passage(level)
         return None if found is None else found.instant
@@ -374,8 +375,12 @@ def _first(above: Floats, sure: Floats) -> _Crossing | None:
     if above[at] < 0.0:
         return None
     found = _between(above, at) if at else _before_the_first(above)
-    beyond = int(np.argmax(above >= sure))
-    again = int(np.count_nonzero(above[at:beyond] < 0.0))
+    after = above[at:]
+    clear = np.flatnonzero((after >= sure[at:]) | (after <= -_TROUGH * sure[at:]))
+    until = int(clear[0]) if len(clear) else 0
+    if after[until] < 0.0:  # it falls from a crest beyond the level, and passes that again later
+        until = int(np.flatnonzero(after[:until] >= 0.0)[-1])
+    again = int(np.count_nonzero(after[:until] < 0.0))
     return _Crossing(found.place + again, found.reach) if again else found
 
 
@@ -387,7 +392,8 @@ def _rising(above: Floats, sure: Floats) -> Floats:
 
     beyond = int(np.argmax(above >= sure)) + 1
     rises = optimize.isotonic_regression(above[:beyond]).x
-    return np.concatenate([rises, above[beyond:]])
+    within = np.abs(rises - above[:beyond]) <= sure[:beyond]
+    return np.concatenate([np.where(within, rises, above[:beyond]), above[beyond:]])
 
 
 def _before_the_first(above: Floats) -> _Crossing:

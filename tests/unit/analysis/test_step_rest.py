@@ -1,0 +1,69 @@
+"""Step responses about rest: modes that last until arrival, hum before the step, tails that are slow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
+from benchtool.analysis.dynamics.step import analyze_step
+from benchtool.analysis.measurement import Measurement
+from benchtool.block import Block
+
+RATE_HZ = 5_000.0
+BEFORE = 250
+
+
+def _found(way: NDArray[np.float64]) -> dict[str, Measurement]:
+    reference = np.where(np.arange(len(way)) < BEFORE, 0.0, 1.0)
+    block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=way, r=reference)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+def _lag(rows: int, decay: float) -> NDArray[np.float64]:
+    after = np.arange(rows) - BEFORE
+    return np.where(after < 0, 0.0, 1.0 - np.exp(-np.maximum(after, 0) / decay))
+
+
+def test_a_crest_just_below_a_level_leaves_open_when_it_is_passed() -> None:
+    # a crest as far below the level as its noise, then a trough, then beyond it
+    row = np.arange(120.0)
+    values = np.interp(row, [0, 40, 60, 80, 120], [-1.0, -0.02, -0.4, 0.4, 1.0])
+    errors = 0.02 * np.random.default_rng(5).standard_normal((400, 1)) * np.ones(len(row))
+    found = NoisyCurve(values, errors).first_above(0.0)
+    assert found is not None
+    assert found.place == pytest.approx(70.0)
+    # a sixth of the draws pass it thirty rows earlier
+    assert found.standard == pytest.approx(30.0 * np.sqrt(0.16), rel=0.15)
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0, 3.0])
+def test_hum_before_a_step_is_no_drift(phase: float) -> None:
+    noise = 0.003 * np.random.default_rng(8).standard_normal(1500)
+    hum = 0.01 * np.cos(2.0 * np.pi * 50.0 / RATE_HZ * np.arange(1500) + phase)
+    found = _found(_lag(1500, 60.0) + noise + hum)
+    assert "drifts" not in found["overshoot"].reason
+
+
+def test_a_slow_tail_is_no_slow_noise() -> None:
+    noise = 0.003 * np.random.default_rng(9).standard_normal(4000)
+    found = _found(0.94 * _lag(4000, 30.0) + 0.06 * _lag(4000, 500.0) + noise)
+    expected_s = 500.0 * np.log(3.0) / RATE_HZ
+    uncertainty = found["settling_time"].uncertainty
+    assert uncertainty is not None
+    assert abs(found["settling_time"].value - expected_s) < 2.0 * uncertainty.standard
+    assert uncertainty.standard < 0.05 * expected_s
+
+
+def test_a_pulse_has_not_settled_before_its_fall() -> None:
+    row = np.arange(1000)
+    reference = np.where((row >= 100) & (row < 800), 1.0, 0.0)
+    fall = 1.0 - 0.65 ** np.maximum(0, row - 800)
+    answer = np.where(row < 100, 0.0, 1.0 - 0.65 ** np.maximum(0, row - 100)) - fall
+    ripple = 0.017 * np.cos(0.9 * row + 0.4) + 0.004 * np.random.default_rng(4).standard_normal(1000)
+    block = Block.from_arrays(10_000.0, {"y": "A", "r": "A"}, y=answer + ripple, r=reference)
+    found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+    uncertainty = found["tracking_error_rms"].uncertainty
+    assert uncertainty is not None
+    assert uncertainty.standard < 0.3 * found["tracking_error_rms"].value
