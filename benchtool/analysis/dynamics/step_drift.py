@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import at_rest_error
+from benchtool.analysis.dynamics.smoothing import Noise
 from benchtool.analysis.dynamics.step_shape import Step
 from benchtool.analysis.lowest_frequencies import slow_noise, walk_probability
-from benchtool.analysis.scatter import error_of_series, means_of_parts
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _AGREES = 3.0  # standard uncertainties between both
 _WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
 _LONG = 6  # parts of a record that Allan's variance is of
-_FEWEST_AT_REST = 64  # samples
+_FEWEST, _FEWEST_AT_REST = 20, 64  # samples of a slope; whose lowest frequencies tell a walk
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
 
@@ -44,19 +44,13 @@ class _Slope:
 
     @classmethod
     def of(cls, samples: Floats) -> _Slope | None:
-        """Fit a line to means of parts, about which their scatter, and its correlation, give its uncertainty;
-        None of too few samples."""
-        means = means_of_parts(samples)
-        if not len(means):
+        """Fit a line to samples, shape (n,); its uncertainty is what stationary noise of the autocovariance
+        about that line does to its slope. None of too few samples."""
+        if len(samples) < _FEWEST:
             return None
-        parts = len(means)
-        apart = len(samples) // parts  # samples from part to part
-        place = apart * (np.arange(parts) - 0.5 * (parts - 1))
-        square = float(place @ place)
-        slope = float(place @ means) / square
-        left = means - float(np.mean(means)) - slope * place
-        standard = error_of_series(left).standard * math.sqrt(parts / square)  # of correlated parts too
-        return cls(slope, standard)
+        place = np.arange(len(samples)) - 0.5 * (len(samples) - 1)
+        weights: Floats = np.asarray(place / float(place @ place), dtype=np.float64)
+        return cls(float(weights @ samples), Noise.of(samples).of_sum(weights))
 
 
 def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
@@ -119,7 +113,7 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
         return Drift("", 0.0)
     slope = before.value
     moved = slope * len(step.y)
-    if not abs(slope) <= _SIGMAS * before.standard and abs(moved) > _TOLERATED * step.height:
+    if abs(slope) > _SIGMAS * before.standard and abs(moved) > _TOLERATED * step.height:
         rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s
         reason = (
             f"the signal drifts by {rate:.4g} {step.unit}/s before the step, which is "
