@@ -73,7 +73,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     the mean of its last tenth.
 
     A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
-    third of that uncertain, within three of its standard uncertainties. Where it drifts before the step
+    fifth of that uncertain, within five of its standard uncertainties. Where it drifts before the step
     (`find_drift`), times and excursions are undefined, and where it wanders at rest (`wanders`) all numbers.
 
     Raises:
@@ -100,20 +100,34 @@ def _at_rest(step: Step, curve: NoisyCurve, band: float) -> Floats:
     settled = curve.last_outside(step.final, band)
     begin = len(step.y) // 2
     if settled is not None and math.isfinite(settled.standard):
-        begin = _rest(step, settled)
+        begin = _rest(step, curve, settled, band)
     return step.y_clear[begin:]
 
 
-def _rest(step: Step, settled: Instant) -> int:
-    """Return the row from which on a signal that has `settled` is at rest.
+def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
+    """Return the row from which on a signal that has `settled` within a `band` is at rest.
 
     After m times as long an exponential decay has left the m-th power of the 2 % that it had: so many that
-    this is little against the noise, which it would be taken for.
+    this is little against the noise, which it would be taken for. Of several the slowest is left, and decays
+    as fast as it leaves the outer half of the band.
     """
     times = _AT_REST
-    if step.y_noise.rms > 0.0:
-        times = max(times, math.log(_LITTLE * step.y_noise.rms / step.height) / math.log(_ARRIVED))
-    return math.ceil(times * settled.place)
+    noise = _LITTLE * step.y_noise.rms
+    if noise > 0.0:
+        times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
+    begin = math.ceil(times * settled.place)
+    if not 0.0 < noise < band:
+        return begin
+    away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
+    last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
+    later = halved + math.ceil((halved - last) * math.log2(0.5 * band / noise))
+    return later if begin < later <= len(away) - _enough(step) else begin
+
+
+def _enough(step: Step) -> float:
+    """Return how many samples at rest tell more of the noise than the last ones, of which the final value
+    is."""
+    return _LONGER * TAIL * len(step.y)
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -155,11 +169,12 @@ def _curve(step: Step) -> NoisyCurve:
     last."""
     before = len(step.y_before)
     curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
-    settled = curve.last_outside(step.final, _band(step, curve))
+    band = _band(step, curve)
+    settled = curve.last_outside(step.final, band)
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
         return curve
-    at_rest = step.y_clear[_rest(step, settled) :]
-    if len(at_rest) < _LONGER * TAIL * len(step.y):
+    at_rest = step.y_clear[_rest(step, curve, settled, band) :]
+    if len(at_rest) < _enough(step):
         return curve
     noise = Noise.of(step.y_before, at_rest)
     if len(at_rest) < _FEWEST_SAMPLES:
@@ -344,7 +359,7 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
         return
     error = step.sign * (step.y - step.r)
     course = replace(curve, values=step.sign * (curve.values - step.r))
-    found = _arrived(step, error, course, settled, band)
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
@@ -353,6 +368,17 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
     greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"
     yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
+
+
+def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> Instant:
+    """Return the instant at which a signal has `settled` within a `band`, of which noise makes none while it
+    is surely outside, as before a pulse falls."""
+    outside = np.flatnonzero(np.abs(curve.values - step.final) > band + _CALM * curve.standard)
+    if not len(outside) or not settled.drawn:
+        return settled
+    earlier = max(0.0, settled.place - float(outside[-1]))
+    drawn = np.maximum(settled.drawn, np.median(settled.drawn) - earlier)
+    return replace(settled, drawn=tuple(drawn.tolist()))
 
 
 def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement:
