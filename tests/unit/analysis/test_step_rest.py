@@ -61,7 +61,7 @@ def test_a_pulse_has_not_settled_before_its_fall() -> None:
     reference = np.where((row >= 100) & (row < 800), 1.0, 0.0)
     fall = 1.0 - 0.65 ** np.maximum(0, row - 800)
     answer = np.where(row < 100, 0.0, 1.0 - 0.65 ** np.maximum(0, row - 100)) - fall
-    ripple = 0.017 * np.cos(0.9 * row + 0.4) + 0.004 * np.random.default_rng(4).standard_normal(1000)
+    ripple = 0.017 * np.cos(0.5 * row) + 0.004 * np.random.default_rng(4).standard_normal(1000)
     block = Block.from_arrays(10_000.0, {"y": "A", "r": "A"}, y=answer + ripple, r=reference)
     found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
     uncertainty = found["tracking_error_rms"].uncertainty
