@@ -21,6 +21,7 @@ _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
 _WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
+_GROWS = 0.8  # of what it moves by in a half or a quarter of the time; a walk 1.4 and 2 times, but for chance
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST, _FEWEST_AT_REST = 20, 64  # samples of a slope; whose lowest frequencies tell a walk
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
@@ -58,8 +59,9 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
 
     What it moved by between the samples before the step and those `at_rest` after it is then not known. Each
     of both shows few of the lowest frequencies; that the density of their noise rises towards zero frequency
-    more steeply than that of 1/f noise is told by both together. Where it `drifts`, that is about one slope
-    of both, as a drift goes on.
+    more steeply than that of 1/f noise is told by both together. So seems that of a line of which they hold
+    no whole periods, but within a longer time it moves by less. Where it `drifts`, that is about one slope of
+    both, as a drift goes on.
     """
     pieces = [each for each in (step.y_before, at_rest) if len(each) >= _FEWEST_AT_REST]
     if drifts:
@@ -68,9 +70,9 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
         return ""
     longest = max(pieces, key=len)
     size = len(longest) // _LONG
-    wander = math.sqrt(_allan_variance(longest, size))
+    wander, *shorter = (math.sqrt(_allan_variance(longest, max(1, size // each))) for each in (1, 2, 4))
     # twice the settling time after a step an exponential decay has left the square of what settling tolerates
-    if wander < _TOLERATED**2 * step.height:
+    if wander < max(_TOLERATED**2 * step.height, _GROWS * max(shorter)):
         return ""
     # what only follows the step is how the answer creeps to its level
     noise = slow_noise(pieces[0]) if len(step.y_before) >= _FEWEST_AT_REST else None
