@@ -121,13 +121,7 @@ def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
     away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
     last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
     later = halved + math.ceil((halved - last) * math.log2(0.5 * band / noise))
-    return later if begin < later <= len(away) - _enough(step) else begin
-
-
-def _enough(step: Step) -> float:
-    """Return how many samples at rest tell more of the noise than the last ones, of which the final value
-    is."""
-    return _LONGER * TAIL * len(step.y)
+    return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -174,7 +168,7 @@ def _curve(step: Step) -> NoisyCurve:
     if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
         return curve
     at_rest = step.y_clear[_rest(step, curve, settled, band) :]
-    if len(at_rest) < _enough(step):
+    if len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve
     noise = Noise.of(step.y_before, at_rest)
     if len(at_rest) < _FEWEST_SAMPLES:
