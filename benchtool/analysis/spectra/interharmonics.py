@@ -28,6 +28,7 @@ _AROUND = 12
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
 _CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
+_BESIDE, _OF_DISTANCE = 1.5, 0.125  # bins that `close_lines` looks at; of the distance of harmonics
 _ALIKE, _ALIKE_BINS = 0.2, 0.3  # of an amplitude; bins
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
@@ -178,7 +179,9 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
         start, constant = _fitted_decay(bins - found.of_bins(number, count), periods, count)
         steady = bins - start * _decay(constant, number, count)
         found = _fitted(steady, found.places, periods, count) or found
-    apart = np.abs(found.places - periods * np.round(found.places / periods)) > _CLOSE
+    # of few periods each is near a harmonic, of many those beside one are told by its phase
+    close = max(_CLOSE, min(_BESIDE, _OF_DISTANCE * periods))
+    apart = np.abs(found.places - periods * np.round(found.places / periods)) > close
     found = Interharmonics(found.places[apart], found.phasors[apart], start, constant)
     return found if len(found.places) or start else None
 
