@@ -70,7 +70,16 @@ def scatter_of_largest_normal(deviations: Floats, count: int) -> float:
     others = deviations[size <= _FAR * float(np.median(size))] if len(size) else deviations
     if not _LIGHTER < _excess(others) < math.inf:
         return 0.0
-    return float(np.std(others)) * _of_phi(max(0, round(2.0 * math.log2(max(1, count)))))
+    return float(np.std(others)) * _of_phi(_half_octaves(count))[1]
+
+
+def ends_before_normal(deviations: Floats) -> bool:
+    """Return whether both extremes of deviations about zero, shape (n,), together are nearer to it than
+    those of as many independent normal values by more than their deviation, as where a control keeps within
+    bounds."""
+    mean, deviation = _of_phi(_half_octaves(len(deviations)))
+    nearest = 2.0 * mean - math.sqrt(2.0) * deviation
+    return float(np.ptp(deviations)) < nearest * float(np.std(deviations)) if len(deviations) else False
 
 
 def scatter_of_largest_of_normal(maxima: Floats, noise_rms: float) -> float:
@@ -83,7 +92,7 @@ def scatter_of_largest_of_normal(maxima: Floats, noise_rms: float) -> float:
     if not noise_rms > 0.0:
         return of_one
     octaves = np.arange(0.0, _OCTAVES + 0.5, 0.5)
-    deviations = np.array([_of_phi(round(2.0 * each)) for each in octaves])
+    deviations = np.array([_of_phi(round(2.0 * each))[1] for each in octaves])
     own = float(np.interp(-min(1.0, of_one / noise_rms), -deviations, octaves))
     of_all = float(np.interp(own + math.log2(count), octaves, deviations))
     return of_one * of_all / float(np.interp(own, octaves, deviations))
@@ -117,11 +126,16 @@ def _of_shapes() -> tuple[Floats, Floats]:
 
 
 @cache
-def _of_phi(half_octaves: int) -> float:
-    """Return the standard deviation of the largest of 2^(half_octaves / 2) normal values, over theirs."""
+def _of_phi(half_octaves: int) -> tuple[float, float]:
+    """Return mean and deviation of the largest of 2^(half_octaves / 2) normal values, over the deviation of
+    these."""
     value, above = normal_above()
     # above the mean by what is above, whose logarithm keeps its digits
     below = np.where(value > 0.0, np.log1p(-np.minimum(above, 0.5)), np.log(above[::-1]))
     share, middle = np.diff(np.exp(2.0 ** (0.5 * half_octaves) * below)), 0.5 * (value[1:] + value[:-1])
     mean = float(share @ middle)
-    return math.sqrt(float(share @ (middle - mean) ** 2))
+    return mean, math.sqrt(float(share @ (middle - mean) ** 2))
+
+
+def _half_octaves(count: int) -> int:
+    return max(0, round(2.0 * math.log2(max(1, count))))

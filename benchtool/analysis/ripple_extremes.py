@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.maxima import (
+    ends_before_normal,
     is_no_heavier_than_normal,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
@@ -23,6 +24,7 @@ FEWEST_PERIODS = 3
 """Fewest periods whose scatter is used."""
 
 _SAMPLES_OF_TAIL = 1 << 17
+_IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 
@@ -46,7 +48,11 @@ class Tails:
         index = min(map(tail_index, both))
         is_light = not index and any(map(is_no_heavier_than_normal, both))
         # of independent values second differences have six times the variance
-        return Tails(index, is_light, scatter_of_largest_normal(both[1], len(samples)) / math.sqrt(6.0))
+        of_normal = scatter_of_largest_normal(both[1], len(samples)) / math.sqrt(6.0)
+        about_mean, noise_rms = samples - np.mean(samples), float(np.std(both[1])) / math.sqrt(6.0)
+        if float(np.std(samples)) < _IS_NOISE * noise_rms and ends_before_normal(about_mean):
+            of_normal = 0.0
+        return Tails(index, is_light, of_normal)
 
 
 def extremes_of_ripple(samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails) -> float:

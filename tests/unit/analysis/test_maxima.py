@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.maxima import (
+    ends_before_normal,
     is_no_heavier_than_normal,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
@@ -61,3 +62,12 @@ def test_a_tail_heavier_than_normal_is_told() -> None:
     assert is_no_heavier_than_normal(random.uniform(-1.0, 1.0, 20_000))
     assert not is_no_heavier_than_normal(random.laplace(size=20_000))
     assert not is_no_heavier_than_normal(np.zeros(10))
+
+
+def test_what_a_control_bounds_ends_before_normal_noise_does() -> None:
+    random = np.random.default_rng(14)
+    normal = [ends_before_normal(random.standard_normal(5000)) for _ in range(200)]
+    assert 0.05 < np.mean(normal) < 0.3  # by one standard deviation: 0.16
+    bounded = [ends_before_normal(np.clip(random.standard_normal(5000), -2.9, 2.9)) for _ in range(50)]
+    assert all(bounded)
+    assert not ends_before_normal(np.empty(0))
