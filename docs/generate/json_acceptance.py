@@ -26,6 +26,10 @@ class HeldLimit(Document):
     """The decision rule in words."""
     verdict: VerdictWord
     """Verdict."""
+    conformance: float | None = None
+    """Probability that the true value lies within the bounds."""
+    conformance_reason: str | None = None
+    """Why there is no such probability: value or uncertainty are not known."""
 
 
 class AcceptanceTest(Document):
