@@ -27,6 +27,7 @@ _USUAL_SHAPE = 0.25  # mean of the exponential distribution of shapes before any
 _MOST_MAXIMA = 40  # of more, the largest of some each are closer to the distribution
 _OCTAVES = 24  # of numbers of values
 _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the excess of three uniform values
+_LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
 
@@ -100,8 +101,11 @@ def scatter_of_largest_of_normal(maxima: Floats, noise_rms: float) -> float:
 
 def _excess(deviations: Floats) -> float:
     """Return the kurtosis less that of normal values; inf of deviations that are all zero."""
-    square = float(np.mean(deviations**2)) if len(deviations) else 0.0
-    return float(np.mean(deviations**4)) / square**2 - 3.0 if square > 0.0 else math.inf
+    largest = float(np.max(np.abs(deviations))) if len(deviations) else 0.0
+    if not largest > _LEAST:
+        return math.inf
+    relative = deviations / largest
+    return float(np.mean(relative**4)) / float(np.mean(relative**2)) ** 2 - 3.0
 
 
 def _l_moments(ordered: Floats) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 _COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a 32-bit number
 _BY_CHANCE = 10.0  # times the mean of the least distance between as many values, exp(-10) by chance
 _LOOKED_AT = 1 << 16  # samples
+_SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 
 
@@ -34,7 +35,8 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     if len(values) < 2:
         return 0.0
     step, span = float(np.min(np.diff(values))), float(values[-1] - values[0])
-    return step if step > max(_COARSE, _BY_CHANCE / len(few) ** 2) * span else 0.0
+    least = max(_COARSE, _BY_CHANCE / len(few) ** 2) * span
+    return step if step > max(least, _SUBNORMAL) else 0.0
 
 
 def level_of(samples: NDArray[np.float64], step: float) -> float:

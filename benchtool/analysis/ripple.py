@@ -115,7 +115,6 @@ def ripple_numbers(
         name,
         record_basis(block),
         rated=rated,
-        begins=None if marks is None else rows_of_marks(marks),
         marks=marks,
         per_revolution=pole_pairs if has_angle else 1,
         what=what or channel,
@@ -130,7 +129,6 @@ def ripple_of_rows(
     basis: Basis,
     *,
     rated: float | None = None,
-    begins: NDArray[np.int64] | None = None,
     marks: NDArray[np.float64] | None = None,
     repeated: str = "electrical periods",
     per_revolution: int = 1,
@@ -140,11 +138,10 @@ def ripple_of_rows(
 ) -> tuple[Measurement, ...]:
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
-    `begins`, shape (m + 1,), are the rows at which what repeats begins, the first 0, and the row after the
-    last, and `marks` the sample numbers at which it does, the first 0, where they are known; `repeated` says
-    what that is, `per_revolution` how many make a revolution. Messages name `channel`, or `what` where it is
-    not given. `no_periods` is why nothing tells `begins`, where that is not for lack of an angle, a current
-    or a speed.
+    `marks`, shape (m + 1,), are the sample numbers at which what repeats begins, the first 0, and that at
+    which the last one ends; `repeated` says what that is, `per_revolution` how many make a revolution.
+    Messages name `channel`, or `what` where it is not given. `no_periods` is why nothing tells `marks`, where
+    that is not for lack of an angle, a current or a speed.
 
     Raises:
         AnalysisError: too short, not finite, or constant.
@@ -152,24 +149,24 @@ def ripple_of_rows(
     whole = ripple(samples, unit, channel or what)
     step = counting_step(samples)
     scatter = None
-    if begins is not None:
-        repeats = Periods(begins, repeated, per_revolution, marks)
+    if marks is not None:
+        repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
     if scatter is not None:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
-    unknown = _without_periods(begins, repeated, no_periods) if scatter is None else ""
+    unknown = _without_periods(marks, repeated, no_periods) if scatter is None else ""
     numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
     return tuple(numbers)
 
 
 def _without_periods(
-    begins: NDArray[np.int64] | None, repeated: str = "electrical periods", no_periods: str = ""
+    marks: NDArray[np.float64] | None, repeated: str = "electrical periods", no_periods: str = ""
 ) -> str:
     """Return why nothing tells how much numbers scatter."""
-    if begins is None:
+    if marks is None:
         return no_periods or "no angle, current or stated speed tells periods, whose scatter would tell it"
     return (
-        f"the record has {len(begins) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
+        f"the record has {len(marks) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
         f"scatter: record longer"
     )
 
@@ -188,7 +185,7 @@ def peak_to_peak_number(
         scatter = scatter_of_periods(samples, repeats, percentiles=False)
     step = counting_step(samples)
     basis = record_basis(block)
-    unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_rows())
+    unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
     clipped = clipping(samples) or standing(samples)
     return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, channel, clipped)
 

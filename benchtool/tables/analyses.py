@@ -83,7 +83,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         basis = replace(record_basis(record.uniform), gaps=basis.gaps)
     else:
         rows = f", over {len(record.data)} rows, each counting the same whatever the time between them"
-    begins, repeated = periods.repetition()
+    marks, repeated = periods.repetition()
     rated = record.question.torque_rated_Nm if what == "torque" else None
     for each in ripple_of_rows(
         np.ascontiguousarray(record.column(what)),
@@ -91,7 +91,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         what,
         basis,
         rated=rated,
-        begins=begins,
+        marks=marks,
         repeated=repeated,
         what=channel.name,
         no_periods=periods.hidden,

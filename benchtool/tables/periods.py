@@ -46,11 +46,12 @@ class Periods:
             raise AnalysisError(reason)
         return track
 
-    def repetition(self) -> tuple[NDArray[np.int64] | None, str]:
-        """Return the rows at which periods begin, and their kind: electrical periods, else revolutions."""
+    def repetition(self) -> tuple[NDArray[np.float64] | None, str]:
+        """Return the sample numbers at which periods begin, and their kind: electrical periods, else
+        revolutions."""
         track = self._for_scatter() if self.record.uniform is not None else None
         if track is not None:
-            return track.period_rows(), "electrical periods"
+            return track.period_marks(), "electrical periods"
         if "angle" not in self.record.channels:
             return self._at_stated_speed()
         angle = self.record.channels["angle"].name
@@ -58,7 +59,7 @@ class Periods:
             coverage = angle_coverage(self.record.column("angle"), angle)
         except AnalysisError:
             return None, ""
-        return revolution_rows(coverage.angle_rad), f"revolutions of {angle}"
+        return revolution_rows(coverage.angle_rad).astype(np.float64), f"revolutions of {angle}"
 
     @property
     def hidden(self) -> str:
@@ -72,8 +73,9 @@ class Periods:
             f"angle tells revolutions of any rows"
         )
 
-    def _at_stated_speed(self) -> tuple[NDArray[np.int64] | None, str]:
-        """Return the rows at which periods begin at the constant speed that was stated, if there is one."""
+    def _at_stated_speed(self) -> tuple[NDArray[np.float64] | None, str]:
+        """Return the sample numbers at which periods begin at the constant speed that was stated, if there is
+        one."""
         uniform, question = self.record.uniform, self.record.question
         if uniform is None or question.omega_m_rad_s is None:
             return None, ""
@@ -83,7 +85,7 @@ class Periods:
             return None, ""
         angle_rad = step_rad * np.arange(len(uniform.data), dtype=np.float64)
         kind = "electrical periods" if question.pole_pairs else "revolutions"
-        return revolution_rows(angle_rad, turn_rad), f"{kind} at the stated speed"
+        return revolution_rows(angle_rad, turn_rad).astype(np.float64), f"{kind} at the stated speed"
 
     def _of_angle(self) -> PhaseTrack | None:
         """Return the electrical periods from angle and pole pairs, where both are there.
