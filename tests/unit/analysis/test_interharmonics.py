@@ -98,9 +98,9 @@ def test_two_sinusoids_less_than_two_bins_apart_are_two() -> None:
 
 
 def test_the_fit_of_a_sinusoid_beside_a_harmonic_adds_as_much_noise_to_it_as_stated() -> None:
-    random, row, errors, stated = np.random.default_rng(6), rows(20.5), [], []
+    random, row, errors, stated = np.random.default_rng(6), rows(4.5), [], []
     for _ in range(60):
-        line = 0.02 * np.cos(2 * np.pi * 4.965 * row / PER_PERIOD + random.uniform(0, 2 * np.pi))
+        line = 0.02 * np.cos(2 * np.pi * 4.825 * row / PER_PERIOD + random.uniform(0, 2 * np.pi))
         theta = 2 * np.pi * row / PER_PERIOD
         coherent = samples_of(np.cos(theta) + line + 1e-3 * random.standard_normal(len(row)))
         found = interharmonics(spectrum_of(coherent), len(coherent.values))
