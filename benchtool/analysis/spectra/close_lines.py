@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,7 @@ _LEAST_SHARE, _ILL_FITTED = 0.01, 1e-3
 _DOF_OF_FLOOR = 40.0  # of a median of some forty squares, at least
 _DISTANCES, _PASSES, _LIKELY = 241, 3, 12.0  # by that much less likely in the logarithm is not
 _ON_HARMONIC = 1e-9  # bins
+_KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
 _MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
 _EXACTLY = 1e-3  # of a line: resampling, and what is left of the phase
@@ -202,6 +204,16 @@ def _together(values: Complex, noise2: Floats) -> tuple[Complex, float]:
     return mean, excess / float(np.sum(weight))
 
 
+@lru_cache(maxsize=_KEPT)
+def _kernel(first: float, last: float, reach: int, count: int) -> tuple[Floats, Complex]:
+    """Return distances of lines from a harmonic, none of them on it, shape (distances,), and what lines of
+    amplitude one there make of the bins around it, shape (distances, 2 reach + 1): beside all harmonics
+    alike."""
+    apart = np.linspace(first, last, _DISTANCES)
+    apart = apart[np.abs(apart) > _ON_HARMONIC]
+    return apart, response(apart[:, np.newaxis] - np.arange(-reach, reach + 1), count)
+
+
 @dataclass(frozen=True)
 class _Fit:
     """Lines at `places`, shape (distances,), fitted to the bins beside a `harmonic`: their `phasors`, what
@@ -226,10 +238,8 @@ class _Fit:
         power, dof = float(np.sum(np.abs(measured) ** 2)), 2.0 * len(measured) - 3.0
         first, last = -_FARTHEST, _FARTHEST
         for _ in range(_PASSES):
-            apart = np.linspace(first, last, _DISTANCES)
-            apart = apart[np.abs(apart) > _ON_HARMONIC]
+            apart, kernel = _kernel(first, last, reach, count)
             places = number[reach] + apart
-            kernel = response(places[:, np.newaxis] - number, count)
             beside = np.delete(kernel, reach, axis=1)
             size2 = np.sum(np.abs(beside) ** 2, axis=1)
             phasors = np.conj(beside) @ measured / size2
