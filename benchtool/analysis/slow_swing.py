@@ -54,24 +54,27 @@ def slow_swing(values: Floats) -> SlowSwing | None:
     place = (np.arange(count) + 0.5) / count
 
     def left(cycles: float) -> float:
-        rest = _fitted(deviation, place, cycles)[1]
+        rest = _fitted(deviation, swing_basis(place, cycles))[1]
         return float(rest @ rest)
 
     bounds = max(_LEAST_CYCLES, near - _NEAR), near + _NEAR
     found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY})
     if not found.fun < _LEFT * square:
         return None
-    mean, rest, of_mean = _fitted(deviation, place, float(found.x))
-    of_mean *= math.sqrt(count / (count - _FITTED))
+    basis = swing_basis(place, float(found.x))
+    mean, rest = _fitted(deviation, basis)
+    of_mean = math.sqrt(count * float(np.linalg.inv(basis.T @ basis)[0, 0]) * count / (count - _FITTED))
     return SlowSwing(float(np.mean(values)) + mean, rest, of_mean)
 
 
-def _fitted(values: Floats, place: Floats, cycles: float) -> tuple[float, Floats, float]:
-    """Return the constant beside a sinusoid, what both leave, shape (n,), and by how much noise moves the
-    constant more than it moves a mean."""
+def swing_basis(place: Floats, cycles: float) -> Floats:
+    """Return a constant and a sinusoid of so many cycles over a record, at places from 0 to 1 in it, shape
+    (n, 3)."""
     turned = 2.0 * np.pi * cycles * place
-    basis = np.stack([np.ones(len(values)), np.cos(turned), np.sin(turned)])
-    normal = basis @ basis.T
-    found = np.linalg.solve(normal, basis @ values)
-    of_mean = math.sqrt(len(values) * float(np.linalg.inv(normal)[0, 0]))
-    return float(found[0]), values - found @ basis, of_mean
+    return np.stack([np.ones(len(place)), np.cos(turned), np.sin(turned)], axis=1)
+
+
+def _fitted(values: Floats, basis: Floats) -> tuple[float, Floats]:
+    """Return the constant beside a sinusoid, and what both leave, shape (n,)."""
+    found = np.linalg.solve(basis.T @ basis, basis.T @ values)
+    return float(found[0]), values - basis @ found

@@ -12,6 +12,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import neighbours_alike
+from benchtool.analysis.slow_swing import swing_basis
 
 Floats = NDArray[np.float64]
 
@@ -187,7 +188,7 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
         for each in frequency + reach * np.linspace(-1.0, 1.0, steps):
             if each < 0.5 * _FEWEST_CYCLES:
                 continue
-            basis = _basis(place, float(each))
+            basis = swing_basis(place, float(each))
             constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
             left = float(np.sum((relative - basis @ constants) ** 2))
             if left < least:
@@ -195,13 +196,8 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
         reach *= 2.0 / (steps - 1.0)
 
     def slopes(places: Floats) -> Floats:
-        columns = _basis(places, frequency)
+        columns = swing_basis(places, frequency)
         by_cycles = 2.0 * np.pi * places * (best[2] * columns[:, 1] - best[1] * columns[:, 2])
         return np.column_stack([columns, by_cycles])
 
-    yield lambda places: np.asarray(_basis(places, frequency) @ best), float(best[0]), 0.0, slopes
-
-
-def _basis(place: Floats, cycles: float) -> Floats:
-    turned = 2.0 * np.pi * cycles * place
-    return np.stack([np.ones(len(place)), np.cos(turned), np.sin(turned)], axis=1)
+    yield lambda places: np.asarray(swing_basis(places, frequency) @ best), float(best[0]), 0.0, slopes
