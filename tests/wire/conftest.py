@@ -50,6 +50,13 @@ def scripted() -> ScriptedBus:
 
 @pytest.fixture
 def host(scripted: ScriptedBus) -> Iterator[CanopenLink]:
+    with CanopenLink(scripted, NODE, RealClock(), sdo_timeout_s=30.0) as opened:
+        yield opened
+
+
+@pytest.fixture
+def timing_out(scripted: ScriptedBus) -> Iterator[CanopenLink]:
+    """A host for tests in which one answer comes in time and another one does not."""
     with CanopenLink(scripted, NODE, RealClock(), sdo_timeout_s=0.4) as opened:
         yield opened
 

@@ -80,10 +80,10 @@ def test_a_read_is_asked_twice_and_then_given_up(scripted: ScriptedBus, impatien
     assert impatient.counters.retries == 1
 
 
-def test_the_second_answer_counts(scripted: ScriptedBus, host: CanopenLink) -> None:
+def test_the_second_answer_counts(scripted: ScriptedBus, timing_out: CanopenLink) -> None:
     scripted.answer = script([], [], [sdo(VALUE)])
-    assert host.upload(0x2000, 1) == bytes.fromhex("78563412")
-    assert host.counters.retries == 1
+    assert timing_out.upload(0x2000, 1) == bytes.fromhex("78563412")
+    assert timing_out.counters.retries == 1
 
 
 @pytest.mark.parametrize(
@@ -103,10 +103,10 @@ def test_a_write_is_sent_once(
     assert impatient.counters.retries == 0
 
 
-def test_a_write_given_up_half_way_sends_nothing_more(scripted: ScriptedBus, host: CanopenLink) -> None:
+def test_a_write_given_up_half_way_sends_nothing_more(scripted: ScriptedBus, timing_out: CanopenLink) -> None:
     scripted.answer = script([sdo("60 00 20 01 00 00 00 00")])
     with pytest.raises(NoAnswer):
-        host.download(0x2000, 1, bytes(20))
+        timing_out.download(0x2000, 1, bytes(20))
     assert [request[:2] for request in scripted.requests] == ["21", "00", "80"]
 
 
@@ -191,10 +191,12 @@ def test_a_lost_segment_is_asked_for_again(scripted: ScriptedBus, host: CanopenL
     assert [request[:8] for request in scripted.requests[2:4]] == ["A2 01 7F", "A2 02 7F"]
 
 
-def test_a_lost_last_segment_is_asked_for_after_the_timeout(scripted: ScriptedBus, host: CanopenLink) -> None:
+def test_a_lost_last_segment_is_asked_for_after_the_timeout(
+    scripted: ScriptedBus, timing_out: CanopenLink
+) -> None:
     scripted.answer = script(BEGUN, [sdo(FIRST), sdo(SECOND)], [sdo("81" + THIRD[2:])], end(CRC))
-    assert host.upload(0x2000, 1, block=True) == TWENTY
-    assert host.counters.retries == 0
+    assert timing_out.upload(0x2000, 1, block=True) == TWENTY
+    assert timing_out.counters.retries == 0
 
 
 def test_a_wrong_crc_is_read_again_and_then_an_error(scripted: ScriptedBus, host: CanopenLink) -> None:

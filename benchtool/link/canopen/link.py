@@ -186,6 +186,7 @@ class CanopenLink(ReceivingLink):
         self._failure = receive_frames(
             self._bus, self._stopping, self._handle, self._count_error, self._handle_burst
         )
+        self._sdo.end_waiting()
 
     def _count_error(self) -> None:
         self._counts["receive_errors"] += 1

@@ -32,6 +32,7 @@ from benchtool.protocol.canopen import (
 
 _QUEUE_SIZE = 1024
 _FRUITLESS_SUB_BLOCKS = 3
+_UNANSWERED = b""  # among the responses, where none will come
 _HEADERS = [bytes([value]) for value in range(256)]
 
 
@@ -95,6 +96,10 @@ class SdoClient(client.SdoClient):
         for data in frames[:room]:
             put(data)
 
+    def end_waiting(self) -> None:
+        """Have a transfer that waits for an answer time out now: reception has ended."""
+        self.responses.put(_UNANSWERED)
+
     def read_response(self) -> bytes:
         """Return the next frame of the server."""
         return self._raise_abort(self._next_frame(self.timeout_s))
@@ -125,15 +130,17 @@ class SdoClient(client.SdoClient):
 
     def _next_frame(self, timeout_s: float) -> bytes:
         try:  # `suppress` would cost as much as all else here
-            return self.responses.get_nowait()
+            frame = self.responses.get_nowait()
         except queue.Empty:
-            pass
-        if self.responses.empty() and self._drained(self._has_response, self.timeout_s):
-            timeout_s = 0.0  # an answer that is not there now will not come
-        try:
-            return self.responses.get(timeout=timeout_s)
-        except queue.Empty:
-            raise SdoTimeoutError("no answer") from None
+            if self.responses.empty() and self._drained(self._has_response, self.timeout_s):
+                timeout_s = 0.0  # an answer that is not there now will not come
+            try:
+                frame = self.responses.get(timeout=timeout_s)
+            except queue.Empty:
+                frame = _UNANSWERED
+        if frame == _UNANSWERED:
+            raise SdoTimeoutError("no answer")
+        return frame
 
     def more_answers(self, index: int, sub: int) -> int:
         """Return how many answers to the last request are left, which are dropped: of other nodes."""
