@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.spectra.close_distances import likely_fits
 from benchtool.analysis.spectra.interharmonics import Interharmonics, response
 from benchtool.analysis.spectra.noise import harmonic_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
@@ -37,7 +38,7 @@ _BEFORE = 0.02  # one line beside fifty harmonics
 _SIZES = math.log(1e4)  # of any amplitude from the noise to ten thousand times as much, in the logarithm
 _LEAST_SHARE, _ILL_FITTED = 0.01, 1e-3
 _DOF_OF_FLOOR = 40.0  # of a median of some forty squares, at least
-_DISTANCES, _PASSES, _LIKELY = 241, 3, 12.0  # by that much less likely in the logarithm is not
+_DISTANCES = 241
 _ON_HARMONIC = 1e-9  # bins
 _KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
@@ -85,16 +86,21 @@ def close_lines(spectrum: CoherentSpectrum, count: int, orders: int) -> CloseLin
     for _ in range(_ROUNDS):
         floor2 = 2.0 * harmonic_noise(clean, orders) ** 2
         around = bins[number] - _sinusoids(found).of_bins(number, count)
+        stands_out = _stands_out(around, floor2)
         for index in range(orders):
-            if index in found:  # what it makes of itself by its negative frequency stays out
-                own = found.pop(index)
+            own = found.pop(index, None)
+            if own is None and not stands_out[index]:
+                continue
+            if own is not None:  # what it makes of itself by its negative frequency stays out
                 makes = _sinusoids({index: own}).of_bins(number, count)
-                makes[index] = own.phasor * response(own.place - number[index], count)
+                makes[index] = own.phasor * response(own.place, number[index], count)
                 around += makes
             line = _beside(around, floor2, index, number[index], count)
             if line is not None:
                 found[index] = line
                 around -= _sinusoids({index: line}).of_bins(number, count)
+            if own is not None or line is not None:
+                stands_out = _stands_out(around, floor2)
         if not found:
             return CloseLines(None, standard, 0.0)
         left = bins - _sinusoids(found).of_bins(np.arange(len(bins), dtype=np.int64), count)
@@ -119,47 +125,83 @@ class _Motion:
     of_phase2: float = 0.0
 
 
+def _stands_out(around: Complex, floor2: Floats) -> NDArray[np.bool_]:
+    """Return which harmonics may have a line beside, shape (harmonics,), of the bins `around` them, shape
+    (harmonics, 2 reach + 1), with mean squares `floor2` of noise.
+
+    Those whose phase moves if nothing else moves it, and the fundamental, which is not told without others.
+    """
+    reach = around.shape[1] // 2
+    size2 = np.abs(around[:, reach]) ** 2
+    known = (floor2 > 0.0) & (size2 > 0.0)  # nan is not
+    _, of_phase = _parts(around[known])
+    moved = _moves(of_phase.real) / _of_moves(floor2[known] / size2[known], reach)
+    found = known.copy()
+    found[known] = _share(moved) >= _LEAST_SHARE
+    found[0] = known[0]
+    return found
+
+
+def _parts(around: Complex) -> tuple[Complex, Complex]:
+    """Return what moves the relative amplitude of harmonics, and what moves their phase, in the bins above
+    them, both of shape (..., reach), of all bins around them, shape (..., 2 reach + 1)."""
+    reach = around.shape[-1] // 2
+    relative = around / around[..., reach, np.newaxis]
+    upper, lower = relative[..., reach + 1 :], np.conj(relative[..., :reach][..., ::-1])
+    return 0.5 * (upper + lower), 0.5 * (upper - lower)
+
+
+def _moves(of_phase: Floats) -> Floats:
+    """Return by how much phases move evenly, over 2 pi, of what moves them, shape (..., reach)."""
+    weight = 1.0 / np.arange(1.0, of_phase.shape[-1] + 1.0)
+    return np.asarray(np.abs(of_phase @ weight) / float(weight @ weight))
+
+
+def _of_moves(relative2: Floats, reach: int) -> Floats:
+    """Return the standard deviation of that by noise of these mean squares in a bin, relative to the
+    harmonic."""
+    weight = 1.0 / np.arange(1.0, reach + 1.0)
+    return np.sqrt(0.25 * relative2 / float(weight @ weight))
+
+
 def _beside(around: Complex, floor2: Floats, index: int, number: Integers, count: int) -> _Line | None:
     """Return the line beside one harmonic, of the bins `around` all, shape (harmonics, 2 reach + 1), with the
     mean square `floor2` of noise in a bin; None where something else explains what it does."""
     reach = around.shape[1] // 2
-    size2 = np.abs(around[:, reach]) ** 2
-    if not (math.isfinite(floor2[index]) and size2[index] > 0.0):
+    size2 = float(np.abs(around[index, reach]) ** 2)
+    if not (floor2[index] > 0.0 and size2 > 0.0):
         return None
-    weight = 1.0 / np.arange(1.0, reach + 1.0)  # of a phase that moves evenly
-    upper, lower = (around[index, reach + by :: by][:reach] / around[index, reach] for by in (1, -1))
+    _, of_phase = _parts(around[index])
     best: _Fit | None = None
     moved, of_move = math.inf, 0.0
     for motion in _motions(around, floor2, index):
-        apart = 0.5 * (upper - np.conj(lower)).real - motion.phase.real
-        noise2 = floor2[index] + size2[index] * motion.of_phase2
-        of_move = math.sqrt(0.25 * noise2 / size2[index] / float(weight @ weight))
-        moved = min(moved, abs(float(apart @ weight)) / float(weight @ weight) / of_move)
+        noise2 = float(floor2[index]) + size2 * motion.of_phase2
+        of_move = float(_of_moves(np.array(noise2 / size2), reach))
+        moved = min(moved, float(_moves((of_phase - motion.phase).real)) / of_move)
         if _share(moved) < _LEAST_SHARE:
             return None
         above, below = motion.amplitude + motion.phase, np.conj(motion.amplitude - motion.phase)
         left = around[index] - around[index, reach] * np.concatenate([below[::-1], [0.0], above])
-        fit = _Fit.of(left, number, noise2 + size2[index] * motion.of_amplitude2, count)
-        if not fit.is_ill and (best is None or fit.explains > best.explains):
+        fit = _Fit.of(left, number, noise2 + size2 * motion.of_amplitude2, count)
+        if (best is None or fit.explains > best.explains) and not fit.is_ill:
             best = fit
     if best is None:
         return None
-    share = _share(moved)
+    share = float(_share(moved))
     of_move *= math.sqrt(share * (1.0 + (1.0 - share) * moved**2))
     return replace(best.line(share), turned_rad=2.0 * math.pi * of_move)
 
 
-def _share(moved: float) -> float:
+def _share(moved: Floats | float) -> Floats:
     """Return the probability of a line that moves a phase by so many standard deviations of noise.
 
     Of a move x of any size, in the logarithm, as likely as any other over a range of exp(L) the Bayes factor
     is exp(x^2 / 2) sqrt(2 pi) / (2 L x), here of Student's distribution, as the noise is not quite known.
     """
-    if not moved > 1.0:
-        return 0.0
-    likely = (1.0 + moved**2 / _DOF_OF_FLOOR) ** (0.5 * (_DOF_OF_FLOOR + 1.0))
-    odds = _BEFORE * float(likely) * math.sqrt(2.0 * math.pi) / (2.0 * _SIZES * moved)
-    return odds / (1.0 + odds)
+    above = np.maximum(moved, 1.0)
+    likely = 0.5 * (_DOF_OF_FLOOR + 1.0) * np.log1p(above**2 / _DOF_OF_FLOOR)
+    odds = math.log(_BEFORE * math.sqrt(2.0 * math.pi) / (2.0 * _SIZES)) + likely - np.log(above)
+    return np.where(above > 1.0, 1.0 / (1.0 + np.exp(-odds)), 0.0)
 
 
 def _motions(around: Complex, floor2: Floats, index: int) -> Iterator[_Motion]:
@@ -172,9 +214,8 @@ def _motions(around: Complex, floor2: Floats, index: int) -> Iterator[_Motion]:
     order, middle = np.arange(1, len(around) + 1), around[:, reach]
     size2, own = np.abs(middle) ** 2, index + 1
     known = np.flatnonzero((size2 > _STANDS_OUT**2 * floor2) & (order != own))
-    upper = around[known, reach + 1 :] / middle[known, np.newaxis]
-    lower = np.conj(around[known, :reach][:, ::-1] / middle[known, np.newaxis])
-    amplitude, phase = 0.5 * (upper + lower), 0.5 * (upper - lower) * (own / order[known])[:, np.newaxis]
+    amplitude, phase = _parts(around[known])
+    phase *= (own / order[known])[:, np.newaxis]
     noise2 = 0.5 * floor2[known] / size2[known]
     none = np.zeros(reach, dtype=np.complex128)
     amplitudes, phases = [(none, 0.0)], []
@@ -204,63 +245,79 @@ def _together(values: Complex, noise2: Floats) -> tuple[Complex, float]:
     return mean, excess / float(np.sum(weight))
 
 
+@dataclass(frozen=True)
+class _Kernel:
+    """Distances `apart` of lines from a harmonic, none of them on it, shape (distances,), and what lines of
+    amplitude one there make of the harmonic, `own`, and, conjugated, of the bins beside it, shape (distances,
+    2 reach), with the sum of squares of these, `size2`: beside all harmonics alike."""
+
+    apart: Floats
+    own: Complex
+    beside: Complex
+    size2: Floats
+
+
 @lru_cache(maxsize=_KEPT)
-def _kernel(first: float, last: float, reach: int, count: int) -> tuple[Floats, Complex]:
-    """Return distances of lines from a harmonic, none of them on it, shape (distances,), and what lines of
-    amplitude one there make of the bins around it, shape (distances, 2 reach + 1): beside all harmonics
-    alike."""
+def _kernel(first: float, last: float, reach: int, count: int) -> _Kernel:
     apart = np.linspace(first, last, _DISTANCES)
     apart = apart[np.abs(apart) > _ON_HARMONIC]
-    return apart, response(apart[:, np.newaxis] - np.arange(-reach, reach + 1), count)
+    around = response(apart[:, np.newaxis], np.arange(-reach, reach + 1), count)
+    beside = np.conj(np.delete(around, reach, axis=1))
+    return _Kernel(apart, around[:, reach], beside, np.sum(np.abs(beside) ** 2, axis=1))
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """Lines at `places`, shape (distances,), fitted to the bins beside a `harmonic`: their `phasors`, what
-    they make of the harmonic, the standard deviation of one component of that by noise, and the logarithm of
-    their likelihood; `explains` is that of the best, by which fits of other noise are compared."""
+    """Lines at distances `apart` from a harmonic at the bin `number`, shape (distances,), fitted to the bins
+    beside it: their `phasors`, what they make of the `harmonic`, the standard deviation of one component of
+    that by noise, and the logarithm of their likelihood; `explains` is that of the best, by which fits of
+    other noise are compared, `excess`, of `dof` degrees of freedom, what it leaves over what noise does."""
 
     harmonic: complex
-    places: Floats
+    number: int
+    apart: Floats
     phasors: Complex
     makes: Complex
     spread: Floats
     likely: Floats
     explains: float
-    is_ill: bool
+    excess: float
+    dof: float
 
     @staticmethod
     def of(left: Complex, number: Integers, noise2: float, count: int) -> _Fit:
         """Return the fit to bins of these numbers, the harmonic in the middle, both of shape (2 reach + 1,),
-        over ever fewer distances around the likely ones."""
+        at the distances that are likely."""
         reach = len(number) // 2
-        measured = np.delete(left, reach)
+        measured = np.concatenate([left[:reach], left[reach + 1 :]])
         power, dof = float(np.sum(np.abs(measured) ** 2)), 2.0 * len(measured) - 3.0
-        first, last = -_FARTHEST, _FARTHEST
-        for _ in range(_PASSES):
-            apart, kernel = _kernel(first, last, reach, count)
-            places = number[reach] + apart
-            beside = np.delete(kernel, reach, axis=1)
-            size2 = np.sum(np.abs(beside) ** 2, axis=1)
-            phasors = np.conj(beside) @ measured / size2
-            rest = np.maximum(0.0, power - np.abs(phasors) ** 2 * size2)
+
+        def fitted(first: float, last: float) -> _Fit:
+            lines = _kernel(first, last, reach, count)
+            phasors = lines.beside @ measured / lines.size2
+            rest = np.maximum(0.0, power - np.abs(phasors) ** 2 * lines.size2)
             least = float(np.min(rest))
             expected = noise2 + _EXACTLY**2 * (power - least) / len(measured)
             scale = max(expected, 2.0 * least / dof)
-            likely = -rest / scale
-            near, step = apart[likely > np.max(likely) - _LIKELY], apart[1] - apart[0]
-            first, last = max(-_FARTHEST, near[0] - step), min(_FARTHEST, near[-1] + step)
-        makes = phasors * kernel[:, reach]
-        return _Fit(
-            complex(left[reach]),
-            places,
-            phasors,
-            makes,
-            np.sqrt(0.5 * scale / size2) * np.abs(kernel[:, reach]),
-            likely,
-            -least / expected - len(measured) * math.log(expected),
-            fisher_above(dof, _DOF_OF_FLOOR, 2.0 * least / dof / expected) < _ILL_FITTED,
-        )
+            return _Fit(
+                harmonic=complex(left[reach]),
+                number=int(number[reach]),
+                apart=lines.apart,
+                phasors=phasors,
+                makes=phasors * lines.own,
+                spread=np.sqrt(0.5 * scale / lines.size2) * np.abs(lines.own),
+                likely=-rest / scale,
+                explains=-least / expected - len(measured) * math.log(expected),
+                excess=2.0 * least / dof / expected,
+                dof=dof,
+            )
+
+        return likely_fits(fitted, -_FARTHEST, _FARTHEST)
+
+    @property
+    def is_ill(self) -> bool:
+        """Whether noise hardly leaves as much; of one that leaves what it should it often does."""
+        return self.excess > 1.0 and fisher_above(self.dof, _DOF_OF_FLOOR, self.excess) < _ILL_FITTED
 
     def line(self, share: float) -> _Line:
         """Return what there is, on average, of a line whose probability is that `share`."""
@@ -276,4 +333,4 @@ class _Fit:
         at = int(np.argmin(np.abs(self.makes - mean)))
         phasor = share * complex(self.phasors[at])
         untold2 = share * (1.0 - share) * (mean * toward).real ** 2
-        return _Line(float(self.places[at]), phasor, math.sqrt(share * square + untold2))
+        return _Line(self.number + float(self.apart[at]), phasor, math.sqrt(share * square + untold2))

@@ -14,7 +14,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.groups import HarmonicGroups, groups_of, ratio_of
-from benchtool.analysis.spectra.line_models import as_real, dirichlet
+from benchtool.analysis.spectra.line_models import as_real
 from benchtool.analysis.spectra.moving_tones import Course, MovingTone, moving_tones
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 
@@ -27,12 +27,14 @@ _ROUNDING = 1e-7  # of the largest line
 _AROUND = 12
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
+_NEARLY = 2.0  # times that: a step of constants turns what is fitted by far less than 0.13 rad
 _CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
 _BESIDE, _OF_DISTANCE = 1.5, 0.125  # bins that `close_lines` looks at; of the distance of harmonics
 _ALIKE, _ALIKE_BINS = 0.2, 0.3  # of an amplitude; bins
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
 _SMALL = 1e-4
+_THERE = 1e-9  # bins, and times pi
 _OF_DECAY = 12  # bins from dc on
 _DRAWS, _MOST_WINDOWS = 64, 64
 _PRIMES = (2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0, 59.0)
@@ -250,18 +252,23 @@ def scatter_of_phases(
     return float(of_groups), float(of_subgroups)
 
 
-def sinusoid(place: float, bins: NDArray[np.int64], count: int) -> tuple[Complex, Complex]:
-    """Return what a cosine of amplitude one makes of bins, by its positive and negative frequency."""
-    number = bins.astype(np.float64)
-    return response(place - number, count), response(-place - number, count)
+def sinusoid(places: Floats | float, bins: NDArray[np.int64] | Floats, count: int) -> tuple[Complex, Complex]:
+    """Return what cosines of amplitude one make of bins, by their positive and negative frequency, in the
+    shape of places against bins."""
+    return response(places, bins, count), response(-places, bins, count)
 
 
-def response(apart: Floats, count: int) -> Complex:
-    """Return the mean of exp(2 pi j apart n / count) over n = 0 ... count - 1 (Dirichlet's kernel)."""
-    return np.asarray(dirichlet(apart, count) * np.exp(1j * np.pi * apart * (count - 1.0) / count))
+def response(places: Floats | float, bins: NDArray[np.int64] | Floats, count: int) -> Complex:
+    """Return the mean of exp(2 pi j (place - bin) n / count) over n = 0 ... count - 1, in the shape of places
+    against bins: Dirichlet's kernel, a geometric series whose numerator is the same for all whole bins."""
+    apart = places - np.round(places)
+    numerator = np.sin(np.pi * apart) * np.exp(1j * np.pi * apart) / count
+    tangent = np.tan((np.pi / count) * (places - bins))
+    there = np.abs(tangent) < _THERE / count
+    return np.where(there, 1.0, numerator * (1.0 / np.where(there, 1.0, tangent) - 1j))
 
 
-def _decay(constant: float, bins: NDArray[np.int64], count: int) -> Complex:
+def _decay(constant: Floats | float, bins: NDArray[np.int64], count: int) -> Complex:
     """Return what exp(-n / (constant count)) makes of bins, as peak phasors."""
     exponent = -1.0 / (constant * count) - 2j * np.pi * bins / count
     found = 2.0 / count * np.expm1(-1.0 / constant) / np.expm1(exponent)
@@ -276,23 +283,27 @@ def _fitted_decay(bins: Complex, periods: int, count: int) -> tuple[float, float
         return 0.0, 1.0
     measured = bins[number]
 
-    def fit(constant: float) -> tuple[float, float]:
-        shape = _decay(constant, number, count)
-        start = float(np.real(np.vdot(shape, measured)) / np.real(np.vdot(shape, shape)))
-        return float(np.sum(np.abs(measured - start * shape) ** 2)), start
+    def fit(constant: Floats) -> tuple[Floats, Floats]:
+        shape = _decay(constant[:, np.newaxis], number, count)
+        start = np.real(np.conj(shape) @ measured) / np.sum(np.abs(shape) ** 2, axis=1)
+        return np.sum(np.abs(measured - start[:, np.newaxis] * shape) ** 2, axis=1), start
 
-    best = int(np.argmin([fit(float(each))[0] for each in _CONSTANTS]))
+    left, enough = fit(_CONSTANTS)[0], _LEFT * float(np.sum(np.abs(measured) ** 2))
+    best = int(np.argmin(left))
+    if not left[best] < _NEARLY * enough:
+        return 0.0, 1.0
     low, high = (float(_CONSTANTS[min(max(best + by, 0), len(_CONSTANTS) - 1)]) for by in (-1, 1))
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
     for _ in range(40):
         inner, outer = high - golden * (high - low), low + golden * (high - low)
-        if fit(inner)[0] < fit(outer)[0]:
+        of_inner, of_outer = fit(np.array([inner, outer]))[0]
+        if of_inner < of_outer:
             high = outer
         else:
             low = inner
     constant = 0.5 * (low + high)
-    left, start = fit(constant)
-    return (start, constant) if left < _LEFT * float(np.sum(np.abs(measured) ** 2)) else (0.0, 1.0)
+    (least,), (start,) = fit(np.array([constant]))
+    return (float(start), constant) if least < enough else (0.0, 1.0)
 
 
 def _largest(bins: Complex, periods: int) -> float | None:
@@ -353,15 +364,15 @@ def _phasors_at(
 
 
 def _units(places: Floats, bins: NDArray[np.int64], count: int) -> Floats:
-    both = [sinusoid(float(place), bins, count) for place in places]
-    return np.stack([as_real(each) for u, v in both for each in (u + v, -1j * (u - v))], axis=1)
+    above, below = sinusoid(places, bins[:, np.newaxis], count)
+    units = np.stack([above + below, -1j * (above - below)], axis=2)
+    return as_real(units.reshape(len(bins), -1))
 
 
 def _slopes(places: Floats, phasors: Complex, bins: NDArray[np.int64], count: int) -> Floats:
     """Return what a change of each place makes of the bins."""
-    slopes = []
-    for place, phasor in zip(places, phasors, strict=True):
-        above, below = (sinusoid(float(place) + by, bins, count) for by in (_SMALL, -_SMALL))
-        change = phasor * (above[0] - below[0]) + np.conj(phasor) * (above[1] - below[1])
-        slopes.append(as_real(change / (2.0 * _SMALL)))
-    return np.stack(slopes, axis=1)
+    (above, below), (above_less, below_less) = (
+        sinusoid(places + by, bins[:, np.newaxis], count) for by in (_SMALL, -_SMALL)
+    )
+    change = phasors * (above - above_less) + np.conj(phasors) * (below - below_less)
+    return as_real(change / (2.0 * _SMALL))

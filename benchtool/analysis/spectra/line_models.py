@@ -25,7 +25,7 @@ DOF_OF_NOISE: Final = 30.0
 
 _NEIGHBOURS = (1.0, 2.0 / 3.0, 1.0 / 6.0)  # correlations of noise under a Hann window
 _STEPS, _ENOUGH, _DAMPED, _MOST_DAMPED = 40, 1e-6, 1e-3, 1e8
-_STEP = 1e-4  # bins, of a slope
+_STEP, _ON_BIN = 1e-4, 1e-9  # bins: of a slope, and what is on one
 _PLACES = 2048  # of a course, in the record
 
 
@@ -47,7 +47,7 @@ def middle_bins(bins: Complexes, number: Integers) -> Complexes:
     return np.asarray(bins[number] * alternating(number))
 
 
-def alternating(number: Integers) -> Floats:
+def alternating(number: Integers | Floats) -> Floats:
     """Return 1 for even numbers and -1 for odd ones, shape (n,)."""
     return np.where(number % 2, -1.0, 1.0)
 
@@ -58,11 +58,19 @@ def phasors_at(bins: Complexes, place: Floats, count: int) -> Complexes:
     return np.asarray(middle_bins(bins, nearest) / response(nearest - place, count))
 
 
-def response(apart: Floats, count: int) -> Complexes:
-    """Return the bins of a line of amplitude one at distances from it, for `count` samples: a sum of three of
-    Dirichlet's kernels."""
-    beside = _dirichlet(apart - 1.0, count) + _dirichlet(apart + 1.0, count)
-    return np.asarray(_dirichlet(apart, count) + 0.5 * beside)
+def response(apart: Floats, count: int) -> Floats:
+    """Return the bins of a line of amplitude one at distances from it, for `count` samples.
+
+    They are D(x) + (D(x - 1) + D(x + 1)) / 2 of Dirichlet's kernel D(x) = sin(pi x) exp(j pi x / n) / (n sin
+    (pi x / n)), which is the real number here.
+    """
+    width, angle = np.pi / count, np.pi / count * apart
+    nearest = np.round(apart)
+    numerator = alternating(nearest) * np.sin(np.pi * (apart - nearest)) * np.cos(angle) * np.sin(width) ** 2
+    below = count * np.sin(angle) * np.sin(width - angle) * np.sin(width + angle)
+    pole = (np.abs(apart - nearest) < _ON_BIN) & (np.abs(nearest) <= 1.0)
+    at_pole = np.where(nearest == 0.0, 1.0, 0.5)
+    return np.where(pole, at_pole, numerator / np.where(pole, 1.0, below))
 
 
 def steady(number: Integers, count: int) -> Model:
@@ -75,7 +83,7 @@ def steady(number: Integers, count: int) -> Model:
         slope = (response(apart - _STEP, count) - response(apart + _STEP, count)) / (2.0 * _STEP)
         phasors = real + 1j * imaginary
         slopes = np.stack([one, 1j * one, phasors * slope], axis=2)
-        return one @ phasors, slopes.reshape(len(number), -1)
+        return np.asarray(one @ phasors), np.asarray(slopes.reshape(len(number), -1))
 
     return model
 
@@ -155,18 +163,6 @@ def _judged(
     ratio = float(np.sum(np.abs(left) ** 2)) / mean
     by_chance = fisher_above(mean**2 / square, DOF_OF_NOISE, ratio)
     return Fit(unknowns, left, ratio, by_chance, inverse @ of_noise @ inverse.T)
-
-
-def _dirichlet(apart: Floats, count: int) -> Complexes:
-    return np.asarray(dirichlet(apart, count) * np.exp(1j * np.pi * apart / count))
-
-
-def dirichlet(apart: Floats, count: int) -> Floats:
-    """Return Dirichlet's kernel: the size, with its sign, of the mean of exp(2 pi j apart n / count) over n =
-    0 ... count - 1."""
-    below = count * np.sin(np.pi * apart / count)
-    small = np.abs(below) < 1e-9
-    return np.asarray(np.where(small, 1.0, np.sin(np.pi * apart) / np.where(small, 1.0, below)))
 
 
 def as_real(values: Complexes) -> Floats:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.spectra.close_distances import likely_fits
 from benchtool.analysis.spectra.line_models import DOF_OF_NOISE, Complexes, Floats, Integers, response
 
 _NEAREST, _FARTHEST, _DISTANCES = 0.02, 1.6, 30  # bins
-_PASSES, _LIKELY = 3, 12.0  # over ever fewer distances: by that much less likely in the logarithm is not
 _STEPS, _MOST_STEP, _STEP = 6, 0.3, 1e-3  # of the fit of a place; bins
 _BY_HANN = 1.5  # bins of noise that count as one, under a Hann window
 
@@ -41,54 +41,53 @@ def pair_of(measured: Complexes, number: Integers, count: int, place: float, noi
     At each distance both phasors and the place are fitted (least squares). A distance is as likely as it
     explains the bins, and an amplitude is before as likely as any other in its logarithm.
     """
-    first, last, dof = _NEAREST, _FARTHEST, 2.0 * len(number) - 6.0
-    for _ in range(_PASSES):
-        apart = np.linspace(first, last, _DISTANCES)
-        fits = _Fits.of(measured, number, count, place, apart)
-        least = float(np.min(fits.rest))
-        scale = _BY_HANN * max(noise**2, 2.0 * least / dof)
-        likely = -fits.rest / scale - 0.5 * fits.certain - 2.0 * np.sum(np.log(fits.sizes), axis=1)
-        near = np.flatnonzero(likely > np.max(likely) - _LIKELY)
-        step = (last - first) / (_DISTANCES - 1)
-        first, last = max(_NEAREST, apart[near[0]] - step), min(_FARTHEST, apart[near[-1]] + step)
-    weight = np.exp(likely - np.max(likely))
+
+    def fitted(first: float, last: float) -> _Fits:
+        return _Fits.of(measured, number, count, place, noise, np.linspace(first, last, _DISTANCES))
+
+    fits, dof = likely_fits(fitted, _NEAREST, _FARTHEST), _dof(number)
+    weight = np.exp(fits.likely - np.max(fits.likely))
     weight /= np.sum(weight)
-    larger, row = np.argmax(fits.sizes, axis=1), np.arange(len(apart))
+    larger, row = np.argmax(fits.sizes, axis=1), np.arange(len(fits.apart))
     amplitude, places = fits.sizes[row, larger], fits.places[row, larger]
     mean, middle = float(weight @ amplitude), float(weight @ places)
-    of_amplitude2 = (amplitude - mean) ** 2 + 0.5 * scale * fits.of_size[row, larger]
-    of_place2 = (places - middle) ** 2 + 0.5 * scale * fits.of_place
+    of_amplitude2 = (amplitude - mean) ** 2 + 0.5 * fits.scale * fits.of_size[row, larger]
+    of_place2 = (places - middle) ** 2 + 0.5 * fits.scale * fits.of_place
     return Pair(
         middle,
         mean,
         math.sqrt(float(weight @ of_place2)),
         math.sqrt(float(weight @ of_amplitude2)),
-        2.0 * least / (dof * noise**2),
+        2.0 * float(np.min(fits.rest)) / (dof * noise**2),
         dof,
     )
 
 
 @dataclass(frozen=True)
 class _Fits:
-    """Pairs at distances: `places` and `sizes` of both lines, shape (distances, 2), what they leave, `rest`,
-    and of noise of one, the variances of sizes and place, and the logarithm of the determinant of their
-    inverse."""
+    """Pairs at distances `apart`, shape (distances,): `places` and `sizes` of both lines, shape (distances,
+    2), what they leave, `rest`, and of noise of one, the variances of sizes and place; the logarithm of their
+    likelihood, and the mean square of noise, `scale`, by which they have that."""
 
+    apart: Floats
     places: Floats
     sizes: Floats
     rest: Floats
     of_size: Floats
     of_place: Floats
-    certain: Floats
+    likely: Floats
+    scale: float
 
     @staticmethod
-    def of(measured: Complexes, number: Integers, count: int, place: float, apart: Floats) -> _Fits:
+    def of(
+        measured: Complexes, number: Integers, count: int, place: float, noise: float, distances: Floats
+    ) -> _Fits:
         """Return the pairs whose larger line is near the place, the other above it or below."""
-        apart = np.concatenate([-apart, apart])
+        apart = np.concatenate([-distances, distances])
         at = np.full(len(apart), place)
         for step in range(_STEPS + 1):
             both = np.stack([_bins(at, number, count), _bins(at + apart, number, count)], axis=2)
-            adjoint = np.conj(both.transpose(0, 2, 1))
+            adjoint = both.transpose(0, 2, 1)
             square = adjoint @ both
             phasors = np.linalg.solve(square, adjoint @ measured[:, np.newaxis])
             left = measured - (both @ phasors)[:, :, 0]
@@ -105,17 +104,25 @@ class _Fits:
         half = len(apart) // 2
         best = np.where(rest[:half] < rest[half:], np.arange(half), np.arange(half, 2 * half))
         of_size = np.real(np.diagonal(np.linalg.inv(square), axis1=1, axis2=2))
-        certain = 2.0 * np.log(np.linalg.det(square).real) + np.log(size)
-        places = np.stack([at, at + apart], axis=1)
+        certain = (2.0 * np.log(np.linalg.det(square).real) + np.log(size))[best]
+        places, sizes = np.stack([at, at + apart], axis=1)[best], np.abs(phasors[best, :, 0])
+        scale = _BY_HANN * max(noise**2, 2.0 * float(np.min(rest)) / _dof(number))
         return _Fits(
-            places[best],
-            np.abs(phasors[best, :, 0]),
+            distances,
+            places,
+            sizes,
             rest[best],
             of_size[best],
             1.0 / size[best],
-            certain[best],
+            -rest[best] / scale - 0.5 * certain - 2.0 * np.sum(np.log(sizes), axis=1),
+            scale,
         )
 
 
-def _bins(at: Floats, number: Integers, count: int) -> Complexes:
+def _dof(number: Integers) -> float:
+    """Return the degrees of freedom that two lines leave to bins of these numbers."""
+    return 2.0 * len(number) - 6.0
+
+
+def _bins(at: Floats, number: Integers, count: int) -> Floats:
     return response(number - at[:, np.newaxis], count)

@@ -194,10 +194,18 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     Each from the floor around it, because the noise of a drive is not white: from as many orders to either
     side as hold twenty bins.
     """
-    per_order = max(1, spectrum.periods - 2 * _guard(spectrum) + 1)
-    reach = math.ceil(_LOCAL_BINS / (2 * per_order))
-    floors = (_local_floor(spectrum, order - reach, order + reach) for order in range(1, orders + 1))
-    return np.array([floor / math.sqrt(2.0) for floor in floors])
+    guard, periods = _guard(spectrum), spectrum.periods
+    within = np.arange(guard, periods - guard + 1)
+    reach = math.ceil(_LOCAL_BINS / (2 * max(1, len(within))))
+    around = np.arange(1, orders + 1)[:, np.newaxis] + np.arange(-reach, reach)
+    bins = (periods * around[:, :, np.newaxis] + within).reshape(orders, -1)
+    inside = (bins > 0) & (bins < len(spectrum.amplitude))
+    counts, medians = np.count_nonzero(inside, axis=1), np.full(orders, np.nan)
+    for count in np.unique(counts[counts >= _FEWEST_BINS]):
+        rows = counts == count
+        amplitude = spectrum.amplitude[bins[rows][inside[rows]]].reshape(-1, count)
+        medians[rows] = np.median(amplitude, axis=1)
+    return np.asarray(medians / MEDIAN_OF_RMS / math.sqrt(2.0))
 
 
 def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
@@ -334,32 +342,33 @@ def _lost(
 def noise_of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
     pairs)."""
-    square = np.where(inside, 0.25 * (sums.real**2 + sums.imag**2), np.nan)
+    square, counts = 0.25 * (sums.real**2 + sums.imag**2), np.count_nonzero(inside, axis=1)
     found = np.full(len(square), np.nan)
-    for row, (values, usable) in enumerate(zip(square, inside, strict=True)):
-        if usable.any():
-            found[row] = noise_at_line(values[usable])
+    for count in np.unique(counts[counts > 0]):
+        rows = counts == count
+        found[rows] = noise_at_lines(square[rows][inside[rows]].reshape(-1, count))
     return np.asarray(np.sqrt(found))
 
 
-def noise_at_line(power: NDArray[np.float64]) -> float:
-    """Return the noise power at a line by that of pairs around it, the nearest first, shape (pairs,).
+def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the noise power at lines, shape (lines,), by that of pairs around each, the nearest first, shape
+    (lines, pairs).
 
     Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
     rises towards the line, and goes on to rise by as much again. The nearest are few: their mean counts as
     Student's distribution would have it, less what is gained where the median is the larger.
     """
-    middle = float(np.median(power)) / _median_of_exponentials(len(power))
-    nearest = float(np.mean(power[:_NEAREST]))
-    if len(power) == 1:
-        return nearest * _OF_ONE_PAIR**2
-    if len(power) < PAIRS:
-        return max(nearest, middle) * students_deviation(2.0 * len(power)) ** 2
-    if nearest <= middle:
-        return middle
-    beyond = float(np.median(power[_NEAREST:])) / _median_of_exponentials(len(power) - _NEAREST)
-    rise = nearest / beyond if beyond > 0.0 else 1.0
-    return nearest * _OF_NEAREST * min(max(rise / _RISES, 1.0), _RISES_MOST)
+    pairs = power.shape[1]
+    middle = np.median(power, axis=1) / _median_of_exponentials(pairs)
+    nearest = np.mean(power[:, :_NEAREST], axis=1)
+    if pairs == 1:
+        return np.asarray(nearest * _OF_ONE_PAIR**2)
+    if pairs < PAIRS:
+        return np.asarray(np.maximum(nearest, middle) * students_deviation(2.0 * pairs) ** 2)
+    beyond = np.median(power[:, _NEAREST:], axis=1) / _median_of_exponentials(pairs - _NEAREST)
+    rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
+    risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)
+    return np.where(nearest <= middle, middle, risen)
 
 
 def _bands(count: int) -> list[slice]:
@@ -380,13 +389,6 @@ def _median_of_exponentials(count: int) -> float:
         return math.log(2.0)
     upper = sum(1.0 / each for each in range(count // 2 + 1, count + 1))
     return upper if count % 2 else upper + 1.0 / count
-
-
-def _local_floor(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> float:
-    bins = _between(spectrum, first_order, last_order)
-    if len(bins) < _FEWEST_BINS:
-        return math.nan
-    return float(np.median(spectrum.amplitude[bins])) / MEDIAN_OF_RMS
 
 
 def _guard(spectrum: CoherentSpectrum) -> int:

@@ -23,7 +23,7 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
-from benchtool.analysis.spectra.noise import noise_at_line
+from benchtool.analysis.spectra.noise import noise_at_lines
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.block import Block, Channel
 
@@ -325,7 +325,7 @@ def test_noise_that_rises_towards_a_line_goes_on_to_rise() -> None:
     for corner, least, most in ((math.inf, 0.85, 1.05), (3.35, 0.95, 1.25), (1.5, 1.1, 1.5)):
         random = np.random.default_rng(7)
         powers = random.exponential(1.0, (1500, 8)) / (1.0 + (distance / corner) ** 2)
-        standard = np.sqrt([noise_at_line(each) for each in powers])
+        standard = np.sqrt(noise_at_lines(powers))
         relative = random.standard_normal(1500) / standard
         assert least < np.sqrt(np.mean(relative**2)) < most
 
