@@ -14,7 +14,7 @@ tell it, of which k turns k times as far. Nor is an amplitude that all of them h
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -115,14 +115,15 @@ def _sinusoids(found: Mapping[int, _Line]) -> Interharmonics:
 
 
 @dataclass(frozen=True)
-class _Motion:
-    """What moves the relative amplitude and the phase of a harmonic as it moves others, in the bins above it,
-    shape (reach,), and the mean squares of the noise in them."""
+class _Motions:
+    """What may move the relative amplitude and the phase of a harmonic as it moves others, in the bins above
+    it, both of shape (motions, reach), and the mean squares of the noise in these, both of shape
+    (motions,)."""
 
     amplitude: Complex
     phase: Complex
-    of_amplitude2: float = 0.0
-    of_phase2: float = 0.0
+    of_amplitude2: Floats
+    of_phase2: Floats
 
 
 def _stands_out(around: Complex, floor2: Floats) -> NDArray[np.bool_]:
@@ -171,24 +172,27 @@ def _beside(around: Complex, floor2: Floats, index: int, number: Integers, count
     size2 = float(np.abs(around[index, reach]) ** 2)
     if not (floor2[index] > 0.0 and size2 > 0.0):
         return None
-    _, of_phase = _parts(around[index])
+    motions = _motions(around, floor2, index)
+    if motions is None:
+        return None
+    noise2 = floor2[index] + size2 * motions.of_phase2
+    of_moves = _of_moves(noise2 / size2, reach)
+    moved = float(np.min(_moves((_parts(around[index])[1] - motions.phase).real) / of_moves))
+    share = float(_share(moved))
+    if share < _LEAST_SHARE:
+        return None
+    above, below = motions.amplitude + motions.phase, np.conj(motions.amplitude - motions.phase)
+    moves = np.concatenate([below[:, ::-1], np.zeros((len(noise2), 1)), above], axis=1)
     best: _Fit | None = None
-    moved, of_move = math.inf, 0.0
-    for motion in _motions(around, floor2, index):
-        noise2 = float(floor2[index]) + size2 * motion.of_phase2
-        of_move = float(_of_moves(np.array(noise2 / size2), reach))
-        moved = min(moved, float(_moves((of_phase - motion.phase).real)) / of_move)
-        if _share(moved) < _LEAST_SHARE:
-            return None
-        above, below = motion.amplitude + motion.phase, np.conj(motion.amplitude - motion.phase)
-        left = around[index] - around[index, reach] * np.concatenate([below[::-1], [0.0], above])
-        fit = _Fit.of(left, number, noise2 + size2 * motion.of_amplitude2, count)
+    for left, each2 in zip(
+        around[index] - around[index, reach] * moves, noise2 + size2 * motions.of_amplitude2, strict=True
+    ):
+        fit = _Fit.of(left, number, float(each2), count)
         if (best is None or fit.explains > best.explains) and not fit.is_ill:
             best = fit
     if best is None:
         return None
-    share = float(_share(moved))
-    of_move *= math.sqrt(share * (1.0 + (1.0 - share) * moved**2))
+    of_move = float(of_moves[-1]) * math.sqrt(share * (1.0 + (1.0 - share) * moved**2))
     return replace(best.line(share), turned_rad=2.0 * math.pi * of_move)
 
 
@@ -204,8 +208,8 @@ def _share(moved: Floats | float) -> Floats:
     return np.where(above > 1.0, 1.0 / (1.0 + np.exp(-odds)), 0.0)
 
 
-def _motions(around: Complex, floor2: Floats, index: int) -> Iterator[_Motion]:
-    """Yield what may move a harmonic as it moves others; for the fundamental only if others tell that.
+def _motions(around: Complex, floor2: Floats, index: int) -> _Motions | None:
+    """Return what may move a harmonic as it moves others; None for a fundamental that no others tell of.
 
     A speed moves all phases, whatever the amplitudes do. The fundamental tells it best, but for a line beside
     that. So do the harmonics together: their scatter is that of noise, or more where they do not agree.
@@ -230,9 +234,11 @@ def _motions(around: Complex, floor2: Floats, index: int) -> Iterator[_Motion]:
         phases.append(_together(phase[harmonic], of_phase2))
         if index == 0:
             amplitudes.append(_together(amplitude[harmonic], noise2[harmonic]))
-    for by_amplitude, of_amplitude2 in amplitudes:
-        for by_phase, each2 in phases:
-            yield _Motion(by_amplitude, by_phase, of_amplitude2, each2)
+    if not phases:
+        return None
+    by_both = [(*by_amplitude, *by_phase) for by_amplitude in amplitudes for by_phase in phases]
+    amplitude, of_amplitude2, phase, of_phase2 = (np.array(each) for each in zip(*by_both, strict=True))
+    return _Motions(amplitude, phase, of_amplitude2, of_phase2)
 
 
 def _together(values: Complex, noise2: Floats) -> tuple[Complex, float]:
@@ -316,8 +322,8 @@ class _Fit:
 
     @property
     def is_ill(self) -> bool:
-        """Whether noise hardly leaves as much; of one that leaves what it should it often does."""
-        return self.excess > 1.0 and fisher_above(self.dof, _DOF_OF_FLOOR, self.excess) < _ILL_FITTED
+        """Whether noise hardly leaves as much."""
+        return self.excess > _most_excess(self.dof)
 
     def line(self, share: float) -> _Line:
         """Return what there is, on average, of a line whose probability is that `share`."""
@@ -334,3 +340,15 @@ class _Fit:
         phasor = share * complex(self.phasors[at])
         untold2 = share * (1.0 - share) * (mean * toward).real ** 2
         return _Line(self.number + float(self.apart[at]), phasor, math.sqrt(share * square + untold2))
+
+
+@lru_cache(maxsize=_REACH)
+def _most_excess(dof: float) -> float:
+    """Return what the squares that noise leaves are over their mean at most, but once in a thousand times."""
+    low, high = 1.0, 1e3
+    while high - low > 1e-12 * high:
+        middle = 0.5 * (low + high)
+        low, high = (
+            (low, middle) if fisher_above(dof, _DOF_OF_FLOOR, middle) < _ILL_FITTED else (middle, high)
+        )
+    return high

@@ -79,8 +79,8 @@ def steady(number: Integers, count: int) -> Model:
     def model(unknowns: Floats) -> tuple[Complexes, Complexes]:
         real, imaginary, place = unknowns.reshape(-1, 3).T
         apart = number[:, np.newaxis] - place
-        one = response(apart, count)
-        slope = (response(apart - _STEP, count) - response(apart + _STEP, count)) / (2.0 * _STEP)
+        one, less, more = response(np.stack([apart, apart - _STEP, apart + _STEP]), count)
+        slope = (less - more) / (2.0 * _STEP)
         phasors = real + 1j * imaginary
         slopes = np.stack([one, 1j * one, phasors * slope], axis=2)
         return np.asarray(one @ phasors), np.asarray(slopes.reshape(len(number), -1))

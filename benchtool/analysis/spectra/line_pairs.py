@@ -86,14 +86,16 @@ class _Fits:
         apart = np.concatenate([-distances, distances])
         at = np.full(len(apart), place)
         for step in range(_STEPS + 1):
-            both = np.stack([_bins(at, number, count), _bins(at + apart, number, count)], axis=2)
+            places = np.stack([at, at + apart], axis=1)[:, np.newaxis, :]  # of each pair
+            from_places = number[:, np.newaxis] - places
+            both, after, before = response(
+                np.stack([from_places, from_places - _STEP, from_places + _STEP]), count
+            )
             adjoint = both.transpose(0, 2, 1)
             square = adjoint @ both
             phasors = np.linalg.solve(square, adjoint @ measured[:, np.newaxis])
             left = measured - (both @ phasors)[:, :, 0]
-            changed = _bins(at + _STEP, number, count) - _bins(at - _STEP, number, count)
-            other = _bins(at + apart + _STEP, number, count) - _bins(at + apart - _STEP, number, count)
-            slope = (changed * phasors[:, 0] + other * phasors[:, 1]) / (2.0 * _STEP)
+            slope = (((after - before) / (2.0 * _STEP)) @ phasors)[:, :, 0]
             # what the phasors explain of the slope is none of the place
             slope -= (both @ np.linalg.solve(square, adjoint @ slope[:, :, np.newaxis]))[:, :, 0]
             size = np.maximum(np.sum(np.abs(slope) ** 2, axis=1), 1e-300)
@@ -122,7 +124,3 @@ class _Fits:
 def _dof(number: Integers) -> float:
     """Return the degrees of freedom that two lines leave to bins of these numbers."""
     return 2.0 * len(number) - 6.0
-
-
-def _bins(at: Floats, number: Integers, count: int) -> Floats:
-    return response(number - at[:, np.newaxis], count)
