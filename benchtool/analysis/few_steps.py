@@ -184,10 +184,13 @@ def _read(signals: Floats, noise: Floats, shape: Floats) -> tuple[Floats, Floats
     apart, inverse = signals - nearest, 1.0 / noise[:, np.newaxis]
     mean, square = np.zeros_like(apart), np.zeros_like(apart)
     for edge in range(_EDGES):
-        above = _below((apart - (edge + 0.5)) * inverse, shape)
-        below = _below((-apart - (edge + 0.5)) * inverse, shape)
-        mean += above - below
-        square += (2.0 * edge + 1.0) * (above + below)
+        reached = noise > edge / _FURTHEST
+        value, scale, of = apart[reached], inverse[reached], shape[reached]
+        above, below = (_below((each - (edge + 0.5)) * scale, of) for each in (value, -value))
+        mean[reached] += above - below
+        square[reached] += (2.0 * edge + 1.0) * (above + below)
+        # to both sides further away than the table
+        square[~reached] += (4.0 * edge + 2.0) * _below(-_FURTHEST * np.ones((1, 1)), shape[~reached])
     return nearest + mean, np.mean(square - mean**2, axis=1)
 
 
@@ -195,10 +198,10 @@ def _below(value: Floats, shape: Floats) -> Floats:
     """Return the probability that noise of rms 1 is less than values of shape (draws, points): between that
     of the normal distribution (shape 0), of the rectangular one (1), and of Laplace's (-1)."""
     tables = _distributions()
-    cell = np.clip((value + _FURTHEST) * (_CELLS / _FURTHEST), 0.0, 2.0 * _CELLS).astype(np.int64)
-    other = np.where(shape > 0.0, 1, 2)[:, np.newaxis]
-    found, share = tables[0][cell], np.abs(shape)[:, np.newaxis]
-    return np.asarray(found + share * (tables[other, cell] - found))
+    cell = np.clip((value + _FURTHEST) * (_CELLS / _FURTHEST), 0.0, 2.0 * _CELLS).astype(np.int32)
+    found = tables[0].take(cell)
+    other = tables.ravel().take(cell + (tables.shape[1] * np.where(shape > 0.0, 1, 2))[:, np.newaxis])
+    return np.asarray(found + np.abs(shape)[:, np.newaxis] * (other - found))
 
 
 @cache
