@@ -58,11 +58,12 @@ def gain_at_rest(
         lowest = slice(None, count)
         points = square[lowest], inverse[lowest], standard[lowest]
         pieces = independent[np.array(counts) - 1]
-        fits = [_fits(*points, terms + 1, _NO_ZERO) for terms in range(_MOST_TERMS)]
+        most = min(_MOST_TERMS, math.ceil(pieces[-1]) - 1)  # with a degree of freedom left
+        fits = [_fits(*points, terms + 1, _NO_ZERO) for terms in range(most)]
         plain = [_mean([each], counts, pieces, terms + 1) for terms, each in enumerate(fits)]
         richer_of = [
             _mean([fits[terms], _fits(*points, terms, _ZEROS)], counts, pieces, terms + 1)
-            for terms in range(1, _MOST_TERMS)
+            for terms in range(1, most)
         ]
         for number, (fit, richer) in enumerate(zip(plain, richer_of, strict=False)):
             if fit is None or richer is None or not fit.describes or richer.standard >= least:
@@ -98,7 +99,7 @@ def _mean(
     fits: Sequence[tuple[Floats, Floats, Floats]], counts: Sequence[int], independent: Floats, terms: int
 ) -> _Intercept | None:
     """Return the mean of the values at zero of kinds of fits, each as likely as another before the points
-    tell, by how well they describe them; None without a degree of freedom, or one that is above zero.
+    tell, by how well they describe them; None where that is not above zero.
 
     The lowest `counts` of points are so many `independent` ones, the last of these all. The best fit
     describes them if it misses no such piece by more than chance: many points far above would hide that.
@@ -111,7 +112,7 @@ def _mean(
     best, freedom = int(np.argmin(squares[:, -1])), float(independent[-1]) - terms
     squares, of_best = squares[:, -1], squares[best]
     least = float(of_best[-1])
-    if not freedom > 0.0 or not math.isfinite(least):
+    if not math.isfinite(least):
         return None
     scatter = max(1.0, least / freedom)
     before = np.concatenate([np.full(len(each), 1.0 / len(each)) for each, _, _ in fits])
@@ -142,12 +143,13 @@ def _fits(
     polynomial, left = np.exp(logarithms), np.zeros(logarithms.shape)
     above = np.ones(len(zeros), dtype=np.bool_)
     for _ in range(_REWEIGHTED):
-        columns = powers / (error * polynomial)[:, :, np.newaxis]
-        inverse = np.linalg.pinv(columns)
-        solution = (inverse @ ((1.0 + left) / error)[:, :, np.newaxis])[:, :, 0]
+        base, triangle = np.linalg.qr(powers / (error * polynomial)[:, :, np.newaxis])
+        projected = base.transpose(0, 2, 1) @ ((1.0 + left) / error)[:, :, np.newaxis]
+        solution = np.linalg.solve(triangle, projected)[:, :, 0]
         found = solution @ powers.T
         above &= np.all(found > 0.0, axis=1)
         polynomial = np.where(above[:, np.newaxis], found, polynomial)
         left = logarithms - np.log(polynomial)
     squares = np.where(above[:, np.newaxis], (left / error) ** 2, math.inf)
-    return solution[:, 0], np.sum(inverse[:, 0, :] ** 2, axis=1), squares
+    variances = np.sum(np.linalg.inv(triangle)[:, 0, :] ** 2, axis=1)  # of the first of (A^T A)^-1
+    return solution[:, 0], variances, squares
