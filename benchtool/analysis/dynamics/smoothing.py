@@ -32,6 +32,8 @@ Floats = NDArray[np.float64]
 _GROWTH = (0.1, 0.2, 0.3, 0.45, 0.65)  # half window over samples since the event
 _STEPS = 4  # of the half window, for each time it doubles
 _CONTRADICTS = 6.0  # standard deviations between the values of two windows that noise does not exceed
+_STRETCH, _CLIPPED = 4, 4.0  # windows over which differences are averaged; standard deviations of one in it
+_ON_AVERAGE, _MOST_DOF = 4.0, 8.0  # standard deviations; of a mean square no more is known than noise itself
 _OF_FEW = 2  # half window: a parabola through so few samples goes with any of them
 _OUTLIER = 3.0  # standard deviations of a sample beyond all around it: rare in noise, and no edge
 _CLEARANCE = 0.5  # of the distance to a contradiction: the most by which a half window is longer than there
@@ -195,10 +197,14 @@ class _Smoothed:
         for at, longer in enumerate(ladder.tolist()):
             curve, _ = even._under(longer)
             for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
-                between = math.sqrt(float(np.mean(np.abs(spectra[at] - spectrum) ** 2 * power)))
-                apart = np.abs(curve - even._under(shorter)[0]) > _CONTRADICTS * between * self._levels
+                between = np.abs(spectra[at] - spectrum) ** 2 * power
+                square = float(np.mean(between))
+                relative = np.abs(curve - even._under(shorter)[0]) / (math.sqrt(square) * self._levels)
+                apart = relative > _CONTRADICTS
                 if shorter <= _OF_FEW:
                     apart = _in_rows(apart)
+                alike = float(np.mean(between**2)) / square**2  # rows that tell as much as one
+                apart |= _on_average(relative, most >= longer, _STRETCH * (2 * longer + 1), alike)
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
         # where part of a window reaches over an edge, too little to show, its end has still no place
         away = _CLEARANCE * np.arange(count)
@@ -238,6 +244,19 @@ def _in_rows(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
     for offset in range(3):
         kept[offset : len(found) - 2 + offset] |= three
     return kept
+
+
+def _on_average(relative: Floats, valid: NDArray[np.bool_], stretch: int, alike: float) -> NDArray[np.bool_]:
+    """Return where the mean square of differences, shape (n,), relative to their standard deviation, is more
+    over a stretch of valid rows than it is by chance, where so many alike count as one: a mode of the signal
+    that no row shows for certain, as chi squared (by Wilson and Hilferty, A&S 26.4.17)."""
+    half = min(stretch, len(relative)) // 2
+    both = np.stack([np.where(valid, np.minimum(relative, _CLIPPED) ** 2, 0.0), valid])
+    sums = np.cumsum(np.pad(both, ((0, 0), (half + 1, half))), axis=1)
+    total, count = sums[:, 2 * half + 1 :] - sums[:, : -2 * half - 1]
+    dof = np.clip(count / alike, 1.0, _MOST_DOF)
+    least = (1.0 - 2.0 / (9.0 * dof) + _ON_AVERAGE * np.sqrt(2.0 / (9.0 * dof))) ** 3
+    return np.asarray(valid & (total > least * count))
 
 
 def _convolved(samples: Floats, weights: Floats) -> Floats:

@@ -305,6 +305,18 @@ def test_no_window_is_over_the_end_of_a_pulse_and_those_away_from_it_are_long() 
     assert half[400] >= 20
 
 
+def test_a_late_mode_as_small_as_the_noise_is_not_smoothed_away() -> None:
+    """No row shows it beyond six standard deviations, and the flat rows after it outweigh it."""
+    random = np.random.default_rng(8)
+    row = np.arange(1300.0)
+    mode = 0.08 * np.exp(-row / 150.0) * np.cos(2.0 * math.pi * row / 43.0)
+    y = 1.0 - 0.92 * np.exp(-row / 70.0) - mode
+    noise = 0.004 * random.standard_normal((2, len(row)))
+    _, best = fitted_smoothers(y + noise[0], Noise.of(noise[1]))
+    assert np.all(best.half[100:340] <= 19)  # half a period has 21
+    assert best.half[1000] > 60
+
+
 def test_slow_noise_is_not_taken_away_with_the_line() -> None:
     """The variance of a sum over many samples, which a line fitted to as many would leave none of."""
     noise, count = np.random.default_rng(1).standard_normal((400, 200)), 200
