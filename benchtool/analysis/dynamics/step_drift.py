@@ -107,8 +107,8 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
     """Return the drift of a signal by its samples before the step and, where it has settled, `at_rest`.
 
     A slope before the step is significant where it is beyond noise and, continued to the end of the record,
-    moves the signal by more than the tolerance of settling. One that is less, or that the signal has after it
-    has settled and may have had before, where noise or the steps of a converter hide it, is a doubt.
+    moves the signal by more than the tolerance of settling. One that is less, or that noise or the steps of a
+    converter hide there, is a doubt where the samples at rest have it too: a drift goes on.
     """
     before = _Slope.of(step.y_before)
     if before is None:
@@ -123,11 +123,20 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
             f"let it settle before the step, or record less after it"
         )
         return Drift(reason, 0.0)
-    doubt = abs(slope) if abs(slope) > _DOUBTFUL * before.standard else 0.0
-    after = _Slope.of(at_rest)
-    if after is not None and abs(after.value) > _AT_REST * after.standard:
-        # the level of a converter is anywhere within a step at both ends
-        hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
-        if abs(after.value - slope) <= _AGREES * math.hypot(before.standard, hidden, after.standard):
-            doubt = max(doubt, abs(after.value))
-    return Drift("", doubt)
+    # the level of a converter is anywhere within a step at both ends
+    hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
+    both = _of_both(_Slope(slope, math.hypot(before.standard, hidden)), _Slope.of(at_rest))
+    return Drift("", abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0)
+
+
+def _of_both(before: _Slope, after: _Slope | None) -> _Slope:
+    """Return the slope that two pieces have in common, each by its weight; that before a step where there is
+    no other, or where that is another for certain, as of an answer that creeps."""
+    if after is None or not after.standard > 0.0:
+        return before
+    apart = math.hypot(before.standard, after.standard)
+    if abs(after.value) > _AT_REST * after.standard and abs(after.value - before.value) > _AGREES * apart:
+        return before
+    share = (after.standard / apart) ** 2
+    mean = share * before.value + (1.0 - share) * after.value
+    return _Slope(mean, before.standard * after.standard / apart)

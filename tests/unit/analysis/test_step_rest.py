@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
 from benchtool.analysis.dynamics.step import analyze_step
+from benchtool.analysis.dynamics.step_drift import find_drift
+from benchtool.analysis.dynamics.step_shape import find_step
 from benchtool.analysis.measurement import Measurement
 from benchtool.block import Block
 
@@ -67,3 +69,17 @@ def test_a_pulse_has_not_settled_before_its_fall() -> None:
     uncertainty = found["tracking_error_rms"].uncertainty
     assert uncertainty is not None
     assert uncertainty.standard < 0.3 * found["tracking_error_rms"].value
+
+
+def test_a_slope_before_a_step_that_does_not_go_on_after_it_is_no_doubt() -> None:
+    random = np.random.default_rng(21)
+    row = np.arange(5000.0)
+    noise = 0.01 * random.standard_normal(len(row))
+    noise[:100] += 1e-4 * (row[:100] - 50.0)  # three standard uncertainties of a slope over so few
+    r = np.where(row < 100.0, 0.0, 0.65)
+    y = 0.65 * (1.0 - np.exp(-np.maximum(row - 105.0, 0.0) / 10.0)) + noise
+    block = Block.from_arrays(10_000.0, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    step = find_step(block, "y", "r")
+    assert find_drift(step, step.y_clear[2500:]).doubt < 1e-6
+    drifting = find_step(Block.from_arrays(10_000.0, {"y": "Nm", "r": "Nm"}, y=y + 2e-6 * row, r=r), "y", "r")
+    assert find_drift(drifting, drifting.y_clear[2500:]).doubt == pytest.approx(2e-6, rel=0.2)
