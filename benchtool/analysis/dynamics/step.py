@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
-from benchtool.analysis.distributions import normal_below
+from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
 from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.departure import SIGMAS, departure
@@ -80,9 +80,8 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
         AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
     """
     step = find_step(block, signal, reference, held=held)
-    curve = _curve(step)
+    curve, at_rest = _curve(step)
     band = _band(step, curve)
-    at_rest = _at_rest(step, curve, band)
     drift = find_drift(step, at_rest)
     found = tuple(_measurements(step, curve.drifting(drift.doubt), band))
     if step.clicks:
@@ -93,15 +92,6 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     if reason := why_unknown(step, band) or wandering:
         found = tuple(_undefined(each, reason) for each in found)
     return StepResponse(found, step.row)
-
-
-def _at_rest(step: Step, curve: NoisyCurve, band: float) -> Floats:
-    """Return the samples long after the signal has settled; of what a drift keeps from it the later half."""
-    settled = curve.last_outside(step.final, band)
-    begin = len(step.y) // 2
-    if settled is not None and math.isfinite(settled.standard):
-        begin = _rest(step, curve, settled, band)
-    return step.y_clear[begin:]
 
 
 def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
@@ -158,28 +148,26 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
     yield from _tracking(step, curve, settled, band)
 
 
-def _curve(step: Step) -> NoisyCurve:
-    """Return the smooth curve, with the noise of all samples at rest where these are many more than the
-    last."""
+def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
+    """Return the smooth curve, with the noise of all samples at rest where these are many more than the last;
+    and the samples long after the signal has settled, of what a drift keeps from it the later half."""
     before = len(step.y_before)
     curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band)
-    if settled is None or not math.isfinite(settled.standard) or step.y_noise.rms == 0.0:
-        return curve
+    if settled is None or not math.isfinite(settled.standard):
+        return curve, step.y_clear[len(step.y) // 2 :]
     at_rest = step.y_clear[_rest(step, curve, settled, band) :]
-    if len(at_rest) < _LONGER * TAIL * len(step.y):
-        return curve
+    if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
+        return curve, at_rest
     noise = Noise.of(step.y_before, at_rest)
-    if len(at_rest) < _FEWEST_SAMPLES:
-        return NoisyCurve.through(step.y_clear, noise, before)
     offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
-    if offset:
+    if offset and len(at_rest) >= _FEWEST_SAMPLES:
         # slow noise is as far off after the step as it was before, and wanders as it does at rest
         away = float(np.mean(step.y_before)) - step.before
         wander = float(np.std(means_of_parts(at_rest)))
         noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
-    return NoisyCurve.through(step.y_clear, noise, before)
+    return NoisyCurve.through(step.y_clear, noise, before), at_rest
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
@@ -269,10 +257,9 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
             # whichever this one is, noise may have made another the greatest
             place = corner.place, math.hypot(corner.place_error, curve.greatest_elsewhere(corner.reach))
             peak = Instant(*corner.averaged((peak.place, peak.standard), place))
-    found = greatest - step.greatest
     text = "greatest value of the smoothed signal beyond the greatest reference"
-    beyond = found if found > _ROUNDING * step.height else 0.0
-    of_overshoot = _of_nonnegative(found, math.hypot(of_curve, step.greatest_error))
+    error = math.hypot(of_curve, step.greatest_error)
+    beyond, of_overshoot = _at_least_zero(step, greatest - step.greatest, error)
     yield _value(step, "overshoot", text, beyond, Uncertainty(of_overshoot, source))
     percent = 100.0 / step.height
     text = "100 x overshoot / height of the step of the reference"
@@ -291,22 +278,14 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
     lowest, standard = curve.least_after_greatest()
     if peak is not None:
         standard = math.hypot(standard, curve.lowered_after_greatest(lowest) / math.sqrt(3.0))
-    standard = _of_nonnegative(step.final - lowest, math.hypot(standard, step.final_error))
-    yield _value(step, name, text, max(0.0, step.final - lowest), Uncertainty(standard, source))
+    short, standard = _at_least_zero(step, step.final - lowest, math.hypot(standard, step.final_error))
+    yield _value(step, name, text, short, Uncertainty(standard, source))
 
 
-def _of_nonnegative(found: float, standard: float) -> float:
-    """Return the standard uncertainty of what cannot be negative, which was `found`, by the part of the
-    normal distribution that is above zero (as JCGM 106:2012, A.4.4, of prior knowledge): its rms deviation
-    from what is given, which is zero where less was found."""
-    if not standard > 0.0:
-        return standard
-    above = found / standard
-    if above < -_FAR_BELOW:
-        return standard * math.sqrt(2.0) / -above
-    density = math.exp(-0.5 * above**2) / math.sqrt(2.0 * math.pi)
-    square = 1.0 + min(0.0, above) ** 2 - abs(above) * density / normal_below(above)
-    return standard * math.sqrt(square)
+def _at_least_zero(step: Step, found: float, standard: float) -> tuple[float, float]:
+    """Return the best estimate of what cannot be negative, and its standard uncertainty."""
+    value, standard = above_zero(found, standard)
+    return value if value > _ROUNDING * step.height else 0.0, standard
 
 
 def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float) -> Iterator[Measurement]:
@@ -462,7 +441,8 @@ STEP: Final = Analysis(
         Quantity(
             ("overshoot",),
             _OF_SIGNAL,
-            "greatest value of the curve minus `greatest`, at least 0",
+            "greatest value of the curve minus `greatest`, less what noise adds to it on average; as it is "
+            "at least 0, the median of the part of its distribution that is above",
             label="overshoot",
         ),
         Quantity(("overshoot_percent",), "%", "`100 x overshoot / height`"),
@@ -475,7 +455,7 @@ STEP: Final = Analysis(
         Quantity(
             ("undershoot",),
             _OF_SIGNAL,
-            "`final` minus the least value of the curve after its greatest, at least 0",
+            "`final` minus the least value of the curve after its greatest, likewise",
         ),
         Quantity(
             ("plateau_mean", "plateau_min", "plateau_max"),

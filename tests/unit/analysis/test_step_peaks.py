@@ -52,8 +52,8 @@ def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -
     found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
     relative = [_relative(each, 0.0) for each in found]
     assert np.mean(np.abs(relative) <= 2.0) >= 0.9
-    assert np.sqrt(np.mean(np.square(relative))) > 0.35
-    assert min(each.value for each in found) == 0.0
+    assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.4
+    assert 0.6 < min(relative) < max(relative) < 2.0  # as near to it in every record
 
 
 def test_a_trough_as_deep_as_the_noise_has_the_uncertainty_of_what_noise_makes_of_a_plateau() -> None:
