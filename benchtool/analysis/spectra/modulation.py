@@ -22,10 +22,12 @@ from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectru
 
 Floats = NDArray[np.float64]
 
+CORRELATED = 1.5
+"""Periods that count as one, from which neighbours are taken for correlated."""
+
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS = 4
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
-_CORRELATED = 1.5  # periods that count as one
 _ROUNDS = 3
 _LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
 
@@ -108,7 +110,7 @@ def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None 
     """
     if phase_rad is not None and is_memory_untold(amplitude, float(np.mean(amplitude)) * phase_rad):
         return math.nan
-    if len(amplitude) <= _CORRELATED * (error_of_series(amplitude).dof + 1.0):
+    if len(amplitude) <= CORRELATED * (error_of_series(amplitude).dof + 1.0):
         return 0.0
     return math.sqrt(max(0.0, error_of_periods(amplitude, least=0).standard ** 2 - by_pairs**2))
 

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
@@ -22,16 +23,11 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import (
-    MeanError,
-    is_memory_untold,
-    mean_of_periods,
-    means_of_blocks,
-    without_oscillations,
-)
+from benchtool.analysis.scatter import MeanError, error_of_series, is_memory_untold, mean_of_periods
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
-from benchtool.analysis.spectra.noise import converter_steps, repeated_quantisation
+from benchtool.analysis.spectra.modulation import CORRELATED
+from benchtool.analysis.spectra.noise import PAIRS, converter_steps, noise_at_line, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -93,12 +89,29 @@ class _Sequence:
         return self._error_of(self.samples.imag, self.of_periods.imag)[1]
 
     def _error_of(self, samples: Floats, of_periods: Floats) -> tuple[float, MeanError]:
-        """Return a mean and its error by periods, less what these cut out of noise that a control of the
-        current keeps away from the fundamental."""
-        mean, error = mean_of_periods(of_periods)
-        if error.is_continued:  # the lowest frequencies have less than it is at zero
-            return mean, error
-        return mean, without_oscillations(means_of_blocks(samples, self.periods), error)
+        """Return a mean and its error: that of a swing by what is left of it over the periods, else that by
+        the noise beside the fundamental, or by the periods where these are correlated.
+
+        Means of periods have in them what is far from the fundamental, where the noise of a controlled
+        current is greater, and a phase that wanders within them.
+        """
+        mean, by_periods = mean_of_periods(of_periods)
+        if mean != float(np.mean(of_periods)) or not math.isfinite(by_periods.standard):
+            return mean, by_periods
+        noise = _beside(samples, self.periods)
+        alone = error_of_series(of_periods).dof + 1.0
+        if len(of_periods) > CORRELATED * alone and by_periods.standard > noise.standard:
+            return mean, by_periods
+        return mean, noise
+
+
+def _beside(samples: Floats, periods: int) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), that hold so many periods, by the bins beside zero
+    frequency that are no harmonics, as that of a line (`line_noise`)."""
+    number = np.arange(1, 2 * PAIRS + 1)
+    number = number[(number % periods != 0) & (number < len(samples) // 2)][:PAIRS]
+    bins = fft.rfft(samples)[number] / len(samples)
+    return MeanError(math.sqrt(noise_at_line(bins.real**2 + bins.imag**2)), 2.0 * len(number))
 
 
 @dataclass(frozen=True)
@@ -204,11 +217,8 @@ def _component(
         across = along
     # noise across the phasor makes its magnitude larger (Rice distribution)
     bias = magnitude - math.sqrt(max(0.0, magnitude**2 - across.standard**2 - steps**2))
-    # noise is isotropic: both components together give a better estimate from few periods
     of_phase = across if beside is None else _without_wander(across, beside)
-    both = MeanError(math.sqrt(0.5 * (along.standard**2 + of_phase.standard**2)), along.dof + of_phase.dof)
-    if along.standard < both.standard:
-        along = both
+    along = _pooled(along, of_phase)
     # of a phase that wanders by phi rms a mean is phi^2 / 2 shorter
     lost = 0.5 * float(np.var(of_periods.imag)) / magnitude if of_phase is not across else 0.0
     return _Component(
@@ -226,12 +236,27 @@ def _component(
 def _without_wander(across: MeanError, beside: _Sequence) -> MeanError:
     """Return the error across a phasor, or that of the sequence beside it where it is clearly less: then the
     phase wanders, which moves a magnitude in the second order alone."""
-    one, other = beside.turned.along[1], beside.turned.across
-    noise = MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
-    if not noise.standard > 0.0:
-        return across
-    ratio = (across.standard / noise.standard) ** 2
-    return noise if fisher_above(across.dof, noise.dof, ratio) < _BY_CHANCE else across
+    noise = _mean_square(beside.turned.along[1], beside.turned.across)
+    return noise if _is_more(across, noise) else across
+
+
+def _pooled(along: MeanError, across: MeanError) -> MeanError:
+    """Return the error along a phasor, by both components where they do not differ by more than chance: noise
+    is isotropic."""
+    if _is_more(along, across) or _is_more(across, along):
+        return along
+    return _mean_square(along, across)
+
+
+def _mean_square(one: MeanError, other: MeanError) -> MeanError:
+    return MeanError(math.sqrt(0.5 * (one.standard**2 + other.standard**2)), one.dof + other.dof)
+
+
+def _is_more(one: MeanError, other: MeanError) -> bool:
+    """Return whether an error is more than another by more than chance; both are known."""
+    if not other.standard > 0.0:
+        return False
+    return fisher_above(one.dof, other.dof, (one.standard / other.standard) ** 2) < _BY_CHANCE
 
 
 def _alike(component: _Component, positive: _Component) -> _Component:

@@ -172,3 +172,20 @@ def test_a_swing_of_all_three_moves_no_component() -> None:
     assert found.uncertainty is not None
     assert found.uncertainty.standard < 1e-3  # of a swing of 0.2 A
     assert abs(found.value - 5.0) < 3.0 * found.uncertainty.standard
+
+
+def test_few_periods_of_noise_state_what_they_scatter() -> None:
+    """Bins beside the fundamental tell the noise of six periods better than their scatter does."""
+    relative = []
+    for seed in range(50):
+        random = np.random.default_rng([21, seed])
+        theta = 2 * np.pi * np.arange(200 * 6 + 70) / 200 + random.uniform(0, 2 * np.pi)
+        phases = {
+            name: 5.0 * np.cos(theta - turn) + 0.05 * random.standard_normal(len(theta))
+            for name, turn in (("i_a", 0.0), ("i_b", 2 * np.pi / 3), ("i_c", -2 * np.pi / 3))
+        }
+        block = Block.from_arrays(10e3, dict.fromkeys(phases, "A"), **phases)
+        positive = current_unbalance(block, track_angle(np.mod(theta, 2 * np.pi), 1))[0]
+        assert positive.uncertainty is not None
+        relative.append((positive.value - 5.0) / positive.uncertainty.standard)
+    assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.5 by the scatter over periods
