@@ -81,6 +81,16 @@ def clipping(samples: NDArray[np.float64]) -> str:
     return ""
 
 
+def require_unclipped(samples: NDArray[np.float64], name: str) -> None:
+    """Refuse samples, shape (n,), that are clipped: lines of them are too small.
+
+    Raises:
+        AnalysisError: as `clipping` says.
+    """
+    if clipped := clipping(samples):
+        raise AnalysisError(f"'{name}': {clipped}")
+
+
 def clipped_share(samples: NDArray[np.float64]) -> float:
     """Return the share of samples, shape (n,), that are clipped at their greatest value; 0 if none is."""
     at_end = samples == np.max(samples)

@@ -20,12 +20,13 @@ from benchtool.analysis.orders.angle import (
 )
 from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
 from benchtool.analysis.orders.stated_speed import speed_of_record
+from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.repeated_steps import repeated_steps
 from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
-from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -75,12 +76,11 @@ class OrderSpectrum:
 class Revolutions:
     """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The angle is off `track` by `wobble_rad`, rms: it wobbles, or the speed is one that was `stated` and not
-    measured.
+    The angle is off `track` by `wobble`, or the speed is one that was `stated` and not measured.
     """
 
     track: PhaseTrack
-    wobble_rad: float
+    wobble: Wobble
     samples: Mapping[str, CoherentSamples]
     stated: bool = False
 
@@ -116,15 +116,19 @@ def revolutions_of(
             f"is allowed: fit orders to the angle itself"
         )
     step_rad = least_step_rad(block.column(angle))
-    return _along(block, channels, track, math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0)))
+    rms_rad = math.sqrt(max(0.0, wobble_rad**2 - step_rad**2 / 12.0))
+    rows = np.arange(track.samples, dtype=np.float64)
+    forwards_rad = theta_m if theta_m[-1] > theta_m[0] else -theta_m
+    repeated_rad = repeated_wobble_rad(forwards_rad, forwards_rad - track.at(rows))
+    return _along(block, channels, track, Wobble(rms_rad, repeated_rad))
 
 
 def _along(
-    block: Block, channels: Iterable[str], track: PhaseTrack, wobble_rad: float, *, stated: bool = False
+    block: Block, channels: Iterable[str], track: PhaseTrack, wobble: Wobble, *, stated: bool = False
 ) -> Revolutions:
     columns = {name: np.ascontiguousarray(block.column(name)) for name in channels}
     samples = coherent_samples_of_all(columns, block.sample_rate_Hz, track)
-    return Revolutions(track, wobble_rad, dict(zip(columns, samples, strict=True)), stated)
+    return Revolutions(track, wobble, dict(zip(columns, samples, strict=True)), stated)
 
 
 def resampled_orders(
@@ -157,8 +161,8 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
     than half a bin of the largest, it is their speed; further away there are no orders (`speed_of_record`).
 
     Raises:
-        AnalysisError: a gap, a dead signal, a speed of zero, fewer than two revolutions, or lines of another
-            speed.
+        AnalysisError: a gap, a dead or clipped signal, a speed of zero, fewer than two revolutions, or lines
+            of another speed.
     """
     require_unbroken(block)
     omega = abs(omega_m_rad_s) / block.sample_rate_Hz
@@ -169,6 +173,7 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
             f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
     require_signal(block.column(channel), channel)
+    require_unclipped(block.column(channel), channel)
     speed = speed_of_record(block, channel, omega_m_rad_s)
     source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
     if speed.omega_m_rad_s != omega_m_rad_s:
@@ -177,12 +182,12 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
     track = PhaseTrack(Polynomial([0.0, omega]), len(block.data), source)
     # an even deviation from end to end, rms
     off_rad = speed.standard_rad_s * len(block.data) / block.sample_rate_Hz / math.sqrt(12.0)
-    return _orders_on(block, channel, _along(block, (channel,), track, off_rad, stated=True))
+    return _orders_on(block, channel, _along(block, (channel,), track, Wobble(off_rad), stated=True))
 
 
 def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     """Return the orders of a channel along a mechanical phase."""
-    samples, track, wobble_rad = block.column(channel), along.track, along.wobble_rad
+    samples, track, wobble = block.column(channel), along.track, along.wobble
     spectrum = spectrum_of(along.samples[channel])
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
@@ -199,9 +204,9 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
             for each, order in zip(amplitude, orders, strict=True)
         ]
     )
-    lost = _lost(amplitude, orders, wobble_rad)
-    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2)
-    about = f"{wobble_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
+    by_wobble = wobble.lost(amplitude) ** 2 + wobble.beside(amplitude) ** 2
+    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + by_wobble)
+    about = f"{wobble.rms_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
@@ -235,7 +240,7 @@ def fitted_orders(
     unit: str,
     angle: str = "theta_m",
     basis: Basis | None = None,
-    wobble_rad: float = 0.0,
+    wobble: Wobble | None = None,
 ) -> OrderSpectrum:
     """Return the orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
 
@@ -244,7 +249,7 @@ def fitted_orders(
         values: the signal at those angles, shape (n,).
         signal, unit, angle: names for the definitions.
         basis: what is known of the samples; window and highest order are filled in.
-        wobble_rad: rms of what may be an error of the angle itself, once per revolution.
+        wobble: what may be an error of the angle itself.
 
     Raises:
         AnalysisError: not finite, constant, or an arc of the circle is left out.
@@ -264,7 +269,8 @@ def fitted_orders(
     amplitude = 2.0 * np.abs(fit.coefficient) / low
     by_steps = _repeated_steps(fit, values, coverage) / low
     basis = basis or Basis(len(values))
-    others = np.hypot(by_steps, _lost(amplitude, order, wobble_rad))
+    wobble = wobble or Wobble()
+    others = np.sqrt(by_steps**2 + wobble.lost(amplitude) ** 2 + wobble.beside(amplitude) ** 2)
     return OrderSpectrum(
         signal=signal,
         unit=unit,
@@ -298,11 +304,6 @@ def _repeated_steps(
     samples, turns = float(len(coverage.angle_rad)), max(1, round(coverage.revolutions))
     found = repeated_steps(fit.mean, lines, step, fit.left_rms**2, samples, turns, level=level)
     return np.zeros(len(lines)) if found is None else found.of_lines(lines)[0]
-
-
-def _lost(amplitude: NDArray[np.float64], order: NDArray[np.int64], wobble_rad: float) -> NDArray[np.float64]:
-    """Return the reduction of each amplitude by an angle error of so many rad rms, to second order."""
-    return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * wobble_rad) ** 2))
 
 
 def _explained(

@@ -28,9 +28,11 @@ from benchtool.analysis.orders.order_spectrum import (
     resampled_orders,
     revolutions_of,
 )
+from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import track_angle
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.validity import require_unclipped
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Array, Section
@@ -95,8 +97,9 @@ def order_analysis(
         known: channels that are resampled along the angle already.
 
     Raises:
-        AnalysisError: no such channel, a dead signal, fewer than two mechanical revolutions.
+        AnalysisError: no such channel, a dead or clipped signal, fewer than two mechanical revolutions.
     """
+    require_unclipped(block.column(channel), channel)
     try:
         spectrum = resampled_orders(block, channel, angle, known=known)
     except AnalysisError:  # a gap or a change of speed: orders by angle do not need time, and refuse the rest
@@ -119,25 +122,21 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
             pass
     ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
     basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
-    wobble_rad = _wobble_rad(coverage, ticks)
-    return fitted_orders(
-        coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble_rad
-    )
+    wobble = wobble_of(coverage, ticks.astype(np.float64))
+    return fitted_orders(coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble)
 
 
-def _wobble_rad(coverage: AngleCoverage, ticks: NDArray[np.int64]) -> float:
-    """Return the rms of the angle's deviation from a smooth track that repeats every revolution, and of its
-    noise.
+def wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
+    """Return the angle's deviation from a smooth track that repeats every revolution, and its noise.
 
     Of fewer than four revolutions it is that of all of the deviation. It may be a motion of the rotor or an
-    error of the encoder; 0 where time or coverage do not show it.
-    `ticks` are the times of the rows, shape (n,), with the gaps in them.
+    error of the encoder; none where time or coverage do not show it.
+    `times` are those of the rows, shape (n,), in any unit.
     """
     try:
         track_angle(coverage.angle_rad, 1)
     except AnalysisError:  # no steady speed
-        return 0.0
-    times = ticks.astype(np.float64)
+        return Wobble()
     deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
     mean = deviation  # few revolutions do not show what repeats: then all of it may be the encoder's
     if coverage.revolutions >= _FEWEST_TO_REPEAT:
@@ -145,7 +144,7 @@ def _wobble_rad(coverage: AngleCoverage, ticks: NDArray[np.int64]) -> float:
     repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
     # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
     noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
-    return math.sqrt(repeated + noise)
+    return Wobble(math.sqrt(repeated + noise), repeated_wobble_rad(coverage.angle_rad, deviation))
 
 
 def describe_orders(

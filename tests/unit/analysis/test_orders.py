@@ -481,3 +481,40 @@ def test_an_angle_that_counts_in_steps_is_left_as_it_is(rows: int) -> None:
     times = np.arange(len(counted), dtype=np.float64)
     assert between_updates(counted, times) is counted
     assert least_step_rad(np.mod(counted, TURN)) == pytest.approx(TURN / 512)
+
+
+@pytest.mark.parametrize("encoder", [True, False])
+def test_sidebands_of_a_wobble_are_in_the_uncertainty_of_the_orders_beside(encoder: bool) -> None:
+    """An encoder with an eccentric disc is fitted by angle; a rotor that moves a little is read in time."""
+    theta_m = steady(8.0)
+    size = 0.02 if encoder else 1e-3
+    moved = theta_m + size * np.sin(theta_m)
+    random = np.random.default_rng(3)
+    torque = torque_at(theta_m if encoder else moved) + random.normal(0.0, 1e-4, len(theta_m))
+
+    orders = order_analysis(block_of(np.mod(moved, TURN), torque), "torque", orders=[36, 71, 73])
+
+    assert ("least squares" in orders.spectrum.method) is encoder
+    found = {each.name: each for each in orders.measurements}
+    sideband = 72 * 0.2 * size / 2
+    for name in ("torque_order_71", "torque_order_73"):
+        beside = found[name]
+        assert beside.value == pytest.approx(sideband, rel=0.3)
+        assert beside.uncertainty is not None
+        assert 0.7 < beside.uncertainty.standard / sideband < 2.5
+        assert not np.isin(int(name[-2:]), np.flatnonzero(_standing_out(orders.spectrum)) + 1)
+    far = found["torque_order_36"].uncertainty
+    assert far is not None
+    assert far.standard < 0.03 * sideband
+
+
+def _standing_out(spectrum: OrderSpectrum) -> NDArray[np.bool_]:
+    return np.asarray(spectrum.amplitude > spectrum.stands_out_above)
+
+
+def test_orders_of_a_clipped_signal_are_refused() -> None:
+    theta_m = steady(8.0)
+    noise = np.random.default_rng(4).normal(0.0, 0.01, len(theta_m))
+
+    with pytest.raises(AnalysisError, match="clipped"):
+        order_analysis(block_of(theta_m, np.minimum(torque_at(theta_m) + noise, 0.75)), "torque")

@@ -1,0 +1,70 @@
+"""Wobble of a rotor's angle about a smooth track, and what it does to orders.
+
+On an angle that errs by e sin(m theta), or in time along a smooth track about which the rotor moves by that,
+an order k of amplitude A reads A (1 - (k e)^2 / 4), and k - m and k + m have sidebands of k A e / 2 (phase
+modulation, Abramowitz and Stegun 9.1.42 for a small index).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_TURN = 2.0 * np.pi
+_SECTORS = 72
+_ROWS_PER_SECTOR = 4.0
+_HIGHEST = 3  # sectors in a period of the highest order told
+
+
+@dataclass(frozen=True)
+class Wobble:
+    """`rms_rad` of an angle's deviation, and the peak `amplitude_rad` of the orders 1, 2, 3 ... of what of it
+    repeats every revolution, shape (m,)."""
+
+    rms_rad: float = 0.0
+    amplitude_rad: Floats = field(default_factory=lambda: np.zeros(0))
+
+    def lost(self, amplitude: Floats) -> Floats:
+        """Return by how much it lowers the amplitudes of orders 1, 2, 3 ..., to second order."""
+        order = np.arange(1, len(amplitude) + 1)
+        return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * self.rms_rad) ** 2))
+
+    def beside(self, amplitude: Floats) -> Floats:
+        """Return the sidebands that all orders have at each of the orders 1, 2, 3 ..., root of the sum of
+        their squares: their phases are not those of the orders."""
+        count, highest = len(amplitude), min(len(self.amplitude_rad), len(amplitude))
+        moved2 = (np.arange(1, count + 1) * amplitude) ** 2
+        of_both = np.concatenate((moved2[::-1], [0.0], moved2))  # of negative orders, 0 and positive ones
+        half = 0.25 * self.amplitude_rad[:highest] ** 2
+        sidebands2 = np.convolve(of_both, np.concatenate((half[::-1], [0.0], half)))
+        first = count + highest + 1
+        return np.asarray(np.sqrt(sidebands2[first : first + count]))
+
+
+def repeated_wobble_rad(angle_rad: Floats, deviation_rad: Floats) -> Floats:
+    """Return the peak amplitudes of the orders of a deviation that are the same in every revolution.
+
+    Both have shape (n,), the angle without wraps. What the scatter between revolutions explains, as of a
+    speed that swings, is taken off; of fewer than two whole revolutions there are none.
+    """
+    turn = np.floor((angle_rad - angle_rad.min()) / _TURN).astype(np.int64)
+    sectors = int(min(_SECTORS, len(angle_rad) / (turn.max() + 1) / _ROWS_PER_SECTOR))
+    if sectors < _HIGHEST:
+        return np.zeros(0)
+    place = np.mod(angle_rad, _TURN) * (sectors / _TURN)
+    cell = turn * sectors + np.floor(place).astype(np.int64) % sectors
+    length = int(turn.max() + 1) * sectors
+    counts = np.bincount(cell, minlength=length)
+    sums = np.bincount(cell, weights=deviation_rad, minlength=length)
+    whole = np.all(counts.reshape(-1, sectors) > 0, axis=1)
+    if np.count_nonzero(whole) < 2:
+        return np.zeros(0)
+    means = sums.reshape(-1, sectors)[whole] / counts.reshape(-1, sectors)[whole]
+    order = np.arange(1, sectors // _HIGHEST + 1)
+    lines = 2.0 / sectors * np.fft.rfft(means, axis=1)[:, order] / np.sinc(order / sectors)
+    mean2 = np.abs(lines.mean(axis=0)) ** 2
+    return np.asarray(np.sqrt(np.maximum(0.0, mean2 - np.var(lines, axis=0) / (len(lines) - 1))))
