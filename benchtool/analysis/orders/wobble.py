@@ -23,26 +23,41 @@ _HIGHEST = 3  # sectors in a period of the highest order told
 @dataclass(frozen=True)
 class Wobble:
     """`rms_rad` of an angle's deviation, and the peak `amplitude_rad` of the orders 1, 2, 3 ... of what of it
-    repeats every revolution, shape (m,)."""
+    repeats every revolution, shape (m,).
+
+    Whether the angle errs or the rotor moves by that the angle does not tell. Where it acts on the orders,
+    these show it: of one that has no sidebands nothing is lost.
+    """
 
     rms_rad: float = 0.0
     amplitude_rad: Floats = field(default_factory=lambda: np.zeros(0))
 
     def lost(self, amplitude: Floats) -> Floats:
-        """Return by how much it lowers the amplitudes of orders 1, 2, 3 ..., to second order."""
+        """Return by how much it lowers the amplitudes of orders 1, 2, 3 ..., to second order: of what repeats
+        no more than the power of both sidebands over twice the amplitude."""
         order = np.arange(1, len(amplitude) + 1)
-        return np.asarray(amplitude * np.minimum(1.0, 0.5 * (order * self.rms_rad) ** 2))
+        rest2 = max(0.0, self.rms_rad**2 - 0.5 * float(np.sum(self.amplitude_rad**2)))
+        lost = 0.5 * amplitude * (order * order) * rest2
+        below, above = self._beside(amplitude**2)
+        shown = 0.5 * (below + above) / np.maximum(amplitude, np.finfo(float).tiny)
+        for each_rad, sidebands in zip(self.amplitude_rad, shown, strict=True):
+            lost += np.minimum(0.25 * amplitude * (order * each_rad) ** 2, sidebands)
+        return np.asarray(np.minimum(amplitude, lost))
 
     def beside(self, amplitude: Floats) -> Floats:
-        """Return the sidebands that all orders have at each of the orders 1, 2, 3 ..., root of the sum of
-        their squares: their phases are not those of the orders."""
-        count, highest = len(amplitude), min(len(self.amplitude_rad), len(amplitude))
-        moved2 = (np.arange(1, count + 1) * amplitude) ** 2
-        of_both = np.concatenate((moved2[::-1], [0.0], moved2))  # of negative orders, 0 and positive ones
-        half = 0.25 * self.amplitude_rad[:highest] ** 2
-        sidebands2 = np.convolve(of_both, np.concatenate((half[::-1], [0.0], half)))
-        first = count + highest + 1
-        return np.asarray(np.sqrt(sidebands2[first : first + count]))
+        """Return the sidebands that all orders have at each of the orders 1, 2, 3 ..., no more than what is
+        there: root of the sum of their squares, as their phases are not those of the orders."""
+        below, above = self._beside((np.arange(1, len(amplitude) + 1) * amplitude) ** 2)
+        sidebands2 = 0.25 * self.amplitude_rad**2 @ (below + above)
+        return np.asarray(np.minimum(np.sqrt(sidebands2), amplitude))
+
+    def _beside(self, power: Floats) -> tuple[Floats, Floats]:
+        """Return a power, shape (orders,), at as many orders below and above each order as the deviation has,
+        both of shape (m, orders); a negative order is the same as its positive one."""
+        order = np.arange(1, len(power) + 1)
+        apart = np.arange(1, len(self.amplitude_rad) + 1)[:, np.newaxis]
+        padded = np.concatenate(([0.0], power, np.zeros(len(self.amplitude_rad))))
+        return padded[np.abs(order - apart)], padded[order + apart]
 
 
 def repeated_wobble_rad(angle_rad: Floats, deviation_rad: Floats) -> Floats:
