@@ -34,7 +34,7 @@ def _relative(found: Measurement, truth: float) -> float:
 
 def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     random = np.random.default_rng(11)
-    row = np.arange(1600.0) - BEFORE
+    row = np.arange(900.0) - BEFORE
     corner = 84.3
     y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
     y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
@@ -48,7 +48,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
 
 def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
     random = np.random.default_rng(12)
-    y = 1.0 - np.exp(-np.maximum(np.arange(1400.0) - BEFORE, 0.0) / 20.0)
+    y = 1.0 - np.exp(-np.maximum(np.arange(800.0) - BEFORE, 0.0) / 20.0)
     found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
     relative = [_relative(each, 0.0) for each in found]
     assert np.mean(np.abs(relative) <= 2.0) >= 0.9
@@ -58,7 +58,7 @@ def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -
 
 def test_a_trough_as_deep_as_the_noise_has_the_uncertainty_of_what_noise_makes_of_a_plateau() -> None:
     random = np.random.default_rng(13)
-    row = 0.06 * np.maximum(np.arange(1400.0) - BEFORE, 0.0)
+    row = 0.06 * np.maximum(np.arange(800.0) - BEFORE, 0.0)
     relative = []
     for damping in (0.6, 0.7):
         root = math.sqrt(1.0 - damping**2)
@@ -124,7 +124,7 @@ def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> 
 
 def test_a_clipped_overshoot_is_none() -> None:
     random, root = np.random.default_rng(3), math.sqrt(1.0 - 0.3**2)
-    row = 0.06 * np.maximum(np.arange(1400.0) - BEFORE, 0.0)
+    row = 0.06 * np.maximum(np.arange(800.0) - BEFORE, 0.0)
     y = 1.0 - np.exp(-0.3 * row) * (np.cos(root * row) + 0.3 / root * np.sin(root * row))
     noisy = y + 2e-3 * random.standard_normal(len(y))
     whole, clipped = (_measured(each) for each in (noisy, np.minimum(noisy, 1.15)))
