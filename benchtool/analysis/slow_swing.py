@@ -48,23 +48,45 @@ def slow_swing(values: Floats) -> SlowSwing | None:
     square = float(deviation @ deviation)
     if count < _FEWEST or not square > 0.0:
         return None
-    power = np.abs(fft.rfft(deviation, _FINER * count)) ** 2
-    first, last = math.ceil(_FINER * _LEAST_CYCLES), int(_FINER * _FASTEST * count)
-    near = (first + int(np.argmax(power[first:last]))) / _FINER
     place = (np.arange(count) + 0.5) / count
+    found = sinusoid_of(deviation, place, _LEAST_CYCLES)
+    if found is None or not float(found.rest @ found.rest) < _LEFT * square:
+        return None
+    basis = swing_basis(place, found.cycles)
+    of_mean = math.sqrt(count * float(np.linalg.inv(basis.T @ basis)[0, 0]) * count / (count - _FITTED))
+    return SlowSwing(float(np.mean(values) + found.constants[0]), found.rest, of_mean)
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """A sinusoid of so many `cycles` over a record, about a constant: the constants of `swing_basis`, shape
+    (3,), and what it leaves of the values, shape (n,)."""
+
+    cycles: float
+    constants: Floats
+    rest: Floats
+
+
+def sinusoid_of(values: Floats, place: Floats, least_cycles: float) -> Sinusoid | None:
+    """Return the sinusoid that leaves least of values of mean zero, shape (n,), at places from 0 to 1 in a
+    record, of no fewer cycles over it and at most one in four values; None of too few values.
+
+    The maximum of a periodogram begins the search for the least squares.
+    """
+    count = len(values)
+    first, last = math.ceil(_FINER * least_cycles), int(_FINER * _FASTEST * count)
+    if not first < last:
+        return None
+    power = np.abs(fft.rfft(values, _FINER * count)[first:last]) ** 2
+    near = (first + int(np.argmax(power))) / _FINER
 
     def left(cycles: float) -> float:
-        rest = _fitted(deviation, swing_basis(place, cycles))[1]
+        rest = _fitted(values, swing_basis(place, cycles))[1]
         return float(rest @ rest)
 
-    bounds = max(_LEAST_CYCLES, near - _NEAR), near + _NEAR
-    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY})
-    if not found.fun < _LEFT * square:
-        return None
-    basis = swing_basis(place, float(found.x))
-    mean, rest = _fitted(deviation, basis)
-    of_mean = math.sqrt(count * float(np.linalg.inv(basis.T @ basis)[0, 0]) * count / (count - _FITTED))
-    return SlowSwing(float(np.mean(values)) + mean, rest, of_mean)
+    bounds = max(least_cycles, near - _NEAR), near + _NEAR
+    cycles = float(minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY}).x)
+    return Sinusoid(cycles, *_fitted(values, swing_basis(place, cycles)))
 
 
 def swing_basis(place: Floats, cycles: float) -> Floats:
@@ -74,7 +96,7 @@ def swing_basis(place: Floats, cycles: float) -> Floats:
     return np.stack([np.ones(len(place)), np.cos(turned), np.sin(turned)], axis=1)
 
 
-def _fitted(values: Floats, basis: Floats) -> tuple[float, Floats]:
-    """Return the constant beside a sinusoid, and what both leave, shape (n,)."""
-    found = np.linalg.solve(basis.T @ basis, basis.T @ values)
-    return float(found[0]), values - basis @ found
+def _fitted(values: Floats, basis: Floats) -> tuple[Floats, Floats]:
+    """Return the constants of a basis, shape (3,), and what they leave of the values, shape (n,)."""
+    found = np.asarray(np.linalg.solve(basis.T @ basis, basis.T @ values), dtype=np.float64)
+    return found, values - basis @ found

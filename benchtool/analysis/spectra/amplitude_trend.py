@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.scatter import neighbours_alike
-from benchtool.analysis.slow_swing import swing_basis
+from benchtool.analysis.slow_swing import sinusoid_of, swing_basis
 
 Floats = NDArray[np.float64]
 
@@ -20,8 +19,7 @@ FEWEST_PERIODS = 16
 """Of fewer amplitudes a trend is not told from chance."""
 
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
-_FEWEST_CYCLES, _PER_PERIOD, _PER_CYCLE = 1, 0.25, 20
-_AT_LEAST, _REFINEMENTS = 0.5, (21, 11)  # of the power, by a periodogram
+_LEAST_CYCLES = 1.0  # of a swing: the constant that a part of one is about is not known
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _RATE_STEP, _FINER_RATES = 1.25, 15
 _RATES = tuple(_RATE_STEP**number for number in range(16))  # time constants in the record: one to thirty
@@ -173,31 +171,19 @@ def _exponential(place: Floats, rate: float) -> Floats:
 
 def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
     """Yield the sinusoid that leaves least, about a constant."""
-    first, last = _PER_CYCLE * _FEWEST_CYCLES, math.ceil(_PER_CYCLE * _PER_PERIOD * len(relative))
-    if not first < last:
+    found = sinusoid_of(relative, place, _LEAST_CYCLES)
+    if found is None:
         return
-    # padded with zeros a DFT has a bin for each twentieth of a cycle over the record
-    size = np.abs(fft.rfft(relative, _PER_CYCLE * len(relative))[first:last]) / len(relative)
-    found = (first + int(np.argmax(size))) / _PER_CYCLE
-    if 2.0 * float(np.max(size)) ** 2 < _AT_LEAST * float(np.mean(relative**2)):
-        return
-    least, reach = math.inf, _FEWEST_CYCLES / 2.0
-    best: Floats = np.zeros(3)
-    frequency = found
-    for steps in _REFINEMENTS:
-        for each in frequency + reach * np.linspace(-1.0, 1.0, steps):
-            if each < 0.5 * _FEWEST_CYCLES:
-                continue
-            basis = swing_basis(place, float(each))
-            constants = np.asarray(np.linalg.lstsq(basis, relative, rcond=None)[0], dtype=np.float64)
-            left = float(np.sum((relative - basis @ constants) ** 2))
-            if left < least:
-                least, best, frequency = left, constants, float(each)
-        reach *= 2.0 / (steps - 1.0)
+    cycles, constants = found.cycles, found.constants
 
     def slopes(places: Floats) -> Floats:
-        columns = swing_basis(places, frequency)
-        by_cycles = 2.0 * np.pi * places * (best[2] * columns[:, 1] - best[1] * columns[:, 2])
+        columns = swing_basis(places, cycles)
+        by_cycles = 2.0 * np.pi * places * (constants[2] * columns[:, 1] - constants[1] * columns[:, 2])
         return np.column_stack([columns, by_cycles])
 
-    yield lambda places: np.asarray(swing_basis(places, frequency) @ best), float(best[0]), 0.0, slopes
+    yield (
+        lambda places: np.asarray(swing_basis(places, cycles) @ constants),
+        float(constants[0]),
+        0.0,
+        slopes,
+    )

@@ -60,7 +60,7 @@ def test_neighbours_with_one_error_count_once(alike: int) -> None:
     error = np.full(len(truth), 0.01)
     random = np.random.default_rng(4)
     missed = []
-    for _ in range(80):
+    for _ in range(50):
         own = np.repeat(random.standard_normal(len(truth) // alike), alike)
         gain, shared = truth * np.exp(error * own), np.full(len(truth), float(alike))
         found = gain_at_rest(frequency_Hz, gain, error * np.sqrt(shared), shared)
