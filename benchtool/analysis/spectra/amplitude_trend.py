@@ -22,7 +22,7 @@ _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
 _LEAST_CYCLES = 1.0  # of a swing: the constant that a part of one is about is not known
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _RATE_STEP, _FINER_RATES = 1.25, 15
-_RATES = tuple(_RATE_STEP**number for number in range(16))  # time constants in the record: one to thirty
+_RATES = _RATE_STEP ** np.arange(16.0)  # time constants in the record: one to thirty
 _POINTS_PER_PERIOD = 8
 _OF_TIME = 1.0 / (6.0 * math.sqrt(3.0))  # of a bend: a sixth at most between means over phases and time
 
@@ -148,15 +148,15 @@ def _step(relative: Floats, place: Floats) -> _Step:
 def _settling(relative: Floats, place: Floats) -> _Curve:
     """Return the exponential to a final value that leaves least: a machine that warms up, a decaying flux."""
 
-    def fitted(rate: float) -> tuple[float, Floats]:
-        columns = _exponential(place, rate)
-        constants = np.asarray(np.linalg.lstsq(columns, relative, rcond=None)[0], dtype=np.float64)
-        return float(np.sum((relative - columns @ constants) ** 2)), constants
+    deviation = relative - np.mean(relative)
 
-    best = min(_RATES, key=lambda rate: fitted(rate)[0])
-    finer = best * np.geomspace(1.0 / _RATE_STEP, _RATE_STEP, _FINER_RATES)
-    rate = float(min(finer, key=lambda each: fitted(float(each))[0]))
-    constants = fitted(rate)[1]
+    def best_of(rates: Floats) -> float:
+        decays = np.exp(-rates[:, np.newaxis] * place)
+        decays -= np.mean(decays, axis=1, keepdims=True)
+        return float(rates[np.argmax((decays @ deviation) ** 2 / np.sum(decays**2, axis=1))])
+
+    rate = best_of(best_of(_RATES) * np.geomspace(1.0 / _RATE_STEP, _RATE_STEP, _FINER_RATES))
+    constants = np.linalg.lstsq(_exponential(place, rate), relative, rcond=None)[0]
 
     def slopes(places: Floats) -> Floats:
         columns = _exponential(places, rate)
