@@ -37,6 +37,7 @@ _FEWEST_MAXIMA = 4
 _SEED, _DRAWS, _FEWEST_DRAWS = 20_261_123, 80, 20
 _MOST_VALUES = 1 << 22  # of all draws together, 32 MiB
 _FAR = 3.0  # standard deviations by which a value may be greater
+_STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
 _OF_TAIL = 40  # one sample in so many is of the tail
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
@@ -44,6 +45,10 @@ _PLACES = 32  # in which an instant may be, each as likely
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _TIMES = "times of the samples, which scatter"
 _SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
+
+
+LITTLE = 0.1
+"""Of the noise: a tail of which less is left is not seen in it."""
 
 
 @dataclass(frozen=True)
@@ -75,9 +80,16 @@ class ArrivedSamples:
 
     @classmethod
     def of(
-        cls, samples: Floats, curve: NoisyCurve, begin: Instant, band: float, noise: Noise, step: float
+        cls,
+        samples: Floats,
+        curve: NoisyCurve,
+        begin: Instant,
+        band: float,
+        noise: Noise,
+        step: float,
+        event: int = 0,
     ) -> ArrivedSamples:
-        """Return those of samples since an event, shape (n,), from the instant `begin` on.
+        """Return those of samples, shape (n,), from the instant `begin` on, after an event in some row.
 
         They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
         these are enough, their noise stands for `noise`, that of samples at rest elsewhere. `step` is that of
@@ -85,7 +97,7 @@ class ArrivedSamples:
         """
         end = len(samples)
         first = min(math.ceil(begin.place), end)
-        rest = _rest(curve.values, first, band)
+        rest = _rest(curve.values, first, band, noise.rms, event)
         course = curve.values.copy()
         if end - rest < _FEWEST_SAMPLES:
             rest = end
@@ -266,9 +278,16 @@ class ArrivedSamples:
 
     def _of_rows(self, rows: NDArray[np.int64], of: Callable[[Floats], float]) -> float:
         """Return the rms change of a number of the values where they begin in other rows, as likely as each
-        is."""
-        found = of(self.values)
-        moved = np.array([of(self.samples[row:]) - found for row in rows.tolist()])
+        is. Noise that moves the instant ahead of an edge moves the samples there as much: they are no further
+        away than the course after it is steep, and noise."""
+        found, samples = of(self.values), self.samples
+        if self.is_moved_by_noise and len(self.course) > 1:
+            ahead = np.arange(self.first, 0, -1.0)
+            reach = _STEEPER * abs(float(self.course[1] - self.course[0])) * ahead + self.noise.rms
+            level = float(self.values[0])
+            before = np.clip(samples[: self.first], level - reach, level + reach)
+            samples = np.concatenate([before, self.values])
+        moved = np.array([of(samples[row:]) - found for row in rows.tolist()])
         return math.sqrt(float(self.shares @ moved**2))
 
 
@@ -315,16 +334,31 @@ def _places(begin: Instant) -> Floats:
     return np.asarray(begin.place + np.quantile(drawn, middles) - np.median(drawn))
 
 
-def _rest(curve: Floats, first: int, band: float) -> int:
+def end_of_tail(away: Floats, band: float, noise: float) -> int:
+    """Return the row from which the slowest tail of a course that is so far `away` from its last level, shape
+    (n,), is less than a tenth of the rms of the noise: it decays as fast as it leaves the outer half of the
+    band within which it has settled. 0 where there is no noise, or more than that."""
+    little = LITTLE * noise
+    if not 0.0 < little < band:
+        return 0
+    last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
+    return halved + math.ceil((halved - last) * math.log2(0.5 * band / little))
+
+
+def _rest(curve: Floats, first: int, band: float, noise: float, event: int) -> int:
     """Return the row from which on what has arrived in the row `first` is at rest: where it stays near its
-    last level, twice that time later, and thrice where half of the samples are left."""
+    last level, twice that time after the event, and thrice where half of the samples are left; later where
+    its tail ends later, and leaves a third of them."""
     end = len(curve)
     last = curve[end - max(1, (end - first) // 4) :]
-    outside = np.flatnonzero(np.abs(curve - np.median(last)) > band)
-    settled = int(outside[-1]) + 1 if len(outside) else 0
+    away = np.abs(curve - np.median(last))
+    settled = int(np.max(np.flatnonzero(away > band) + 1, initial=0))
     if settled >= end:
         return first
-    return max(first, _AT_REST * settled, min(_IF_ROOM * settled, (first + end) // 2))
+    took = max(0, settled - event)
+    rest = max(first, event + _AT_REST * took, min(event + _IF_ROOM * took, (first + end) // 2))
+    later = end_of_tail(away, band, noise)
+    return later if rest < later <= end - (end - first) // _IF_ROOM else rest
 
 
 def _maxima(deviations: Floats) -> Floats:

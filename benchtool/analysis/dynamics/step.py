@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
 from benchtool.analysis.distributions import above_zero
-from benchtool.analysis.dynamics.arrived_samples import ArrivedSamples
+from benchtool.analysis.dynamics.arrived_samples import LITTLE, ArrivedSamples, end_of_tail
 from benchtool.analysis.dynamics.corners import corner_near
 from benchtool.analysis.dynamics.departure import SIGMAS, departure
 from benchtool.analysis.dynamics.noisy_curve import Instant, NoisyCurve
@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling band
 _CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
-_AT_REST, _LITTLE = 2.0, 0.1  # times the settling time, at least; of the noise
+_AT_REST = 2.0  # times the settling time, at least
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
@@ -102,16 +102,18 @@ def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
     as fast as it leaves the outer half of the band.
     """
     times = _AT_REST
-    noise = _LITTLE * step.y_noise.rms
-    if noise > 0.0:
+    if (noise := LITTLE * step.y_noise.rms) > 0.0:
         times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
-    begin = math.ceil(times * settled.place)
-    if not 0.0 < noise < band:
-        return begin
+    event = _event(step)
+    begin = event + math.ceil(times * (settled.place - event))
     away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
-    last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
-    later = halved + math.ceil((halved - last) * math.log2(0.5 * band / noise))
+    later = end_of_tail(away, band, step.y_noise.rms)
     return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
+
+
+def _event(step: Step) -> int:
+    """Return the row since which the signal is on its way to its last level: a pulse falls later."""
+    return step.leaves if step.leaves < len(step.r) else 0
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -332,7 +334,7 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
         return
     error = step.sign * (step.y - step.r)
     course = replace(curve, values=step.sign * (curve.values - step.r))
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band)
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, _event(step))
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
@@ -376,12 +378,14 @@ def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement
     return _value(step, name, text, rms, combined(lines, uncertain.source))
 
 
-def _arrived(step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float) -> ArrivedSamples:
+def _arrived(
+    step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float, event: int = 0
+) -> ArrivedSamples:
     if step.shown_late:  # the sample before the instant is shown for any part of the time after it
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
         since = Instant(since.place - late, since.standard, drawn).widened(late)
-    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step)
+    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event)
 
 
 def _value(

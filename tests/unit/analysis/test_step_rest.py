@@ -83,3 +83,30 @@ def test_a_slope_before_a_step_that_does_not_go_on_after_it_is_no_doubt() -> Non
     assert find_drift(step, step.y_clear[2500:]).doubt < 1e-6
     drifting = find_step(Block.from_arrays(10_000.0, {"y": "Nm", "r": "Nm"}, y=y + 2e-6 * row, r=r), "y", "r")
     assert find_drift(drifting, drifting.y_clear[2500:]).doubt == pytest.approx(2e-6, rel=0.2)
+
+
+def test_a_pulse_that_has_fallen_is_at_rest_by_the_time_since_its_fall() -> None:
+    random = np.random.default_rng(31)
+    row = np.arange(1000.0) - 150
+    clean = 1.0 - np.exp(-np.maximum(row, 0.0) / 2.0)
+    clean[550:] -= clean[150:600]
+    r = np.where((row >= 0.0) & (row < 400.0), 1.0, 0.0)
+    for _ in range(3):
+        y = clean + 5e-3 * random.standard_normal(len(row))
+        block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=y, r=r)
+        found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+        errors = [found[f"tracking_error_{name}"].uncertainty for name in ("mean", "rms", "max")]
+        mean, rms, greatest = (each.standard for each in errors if each is not None)
+        assert 0.5 < mean / (5e-3 / np.sqrt(440.0)) < 1.6  # 0.00024 of 440 samples, from 90 at its end 0.0005
+        assert rms < 3e-4
+        assert greatest < 5e-3  # no sample of the fall, which is 0.2 a row
+
+
+def test_a_tail_slower_than_the_rise_is_no_noise_of_a_plateau() -> None:
+    random = np.random.default_rng(32)
+    since = np.maximum(np.arange(4000.0) - BEFORE, 0.0)
+    way = 1.0 - 0.94 * np.exp(-since / 33.0) - 0.06 * np.exp(-since / 480.0)
+    found = _found(np.where(since > 0.0, way, 0.0) + 3e-3 * random.standard_normal(len(since)))
+    mean = found["plateau_mean"].uncertainty
+    assert mean is not None
+    assert 4e-5 < mean.standard < 1.2e-4  # white noise 5e-5
