@@ -13,6 +13,7 @@ from benchmarks.coverage import (
     dynamic,
     encounters,
     identified,
+    limit_cycles,
     lines,
     mixed,
     near_lines,
@@ -47,6 +48,7 @@ FAMILIES: Mapping[str, Family] = {
         *near_lines.FAMILIES,
         *coarse.FAMILIES,
         *controlled.FAMILIES,
+        *limit_cycles.FAMILIES,
         *sensors.FAMILIES,
         *sensed_answers.FAMILIES,
     )

@@ -27,6 +27,10 @@ _LOWEST = 1.0 / 24.0  # cycles in the record: noise is taken to rise no further 
 _EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with frequency
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
+_FALLS = 0.1  # probability before the record is seen that the density falls towards zero
+_NEAR_ZERO = 32.0  # cycles in the record, and below the first harmonic: a ripple's density rises above
+_FALL_CORNERS = 2.0 ** np.arange(0.0, 12.0)  # cycles in the record, above which such a density is flat
+_LEVELS = np.array([0.0, 2.0**-6, 2.0**-4, 2.0**-2])  # of the flat part, of white noise beside it
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
 _SCALELESS = 0.5  # probability that such a density has no corner
 _SINGLE = 8  # bins that count by themselves
@@ -49,11 +53,18 @@ _K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
 @dataclass(frozen=True)
 class SlowNoise:
     """Standard deviation of a mean by the noise's spectrum, its degrees of freedom, and the octaves by which
-    the density is expected to rise below the lowest frequency of the record."""
+    the density is expected to rise below the lowest frequency of the record.
+
+    All of it is by densities that do not fall towards zero frequency. That they do, as under a control with
+    an integral, which leaves a mean no noise but at the ends of the record, has the probability `falls`; the
+    mean then has the standard deviation `of_falling`.
+    """
 
     standard: float
     dof: float
     rise: float
+    falls: float = 0.0
+    of_falling: float = 0.0
 
     @property
     def is_lost(self) -> bool:
@@ -209,7 +220,37 @@ def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowN
         below = place < periods
         size2[levels] = np.sqrt(size2[levels] * _posterior(shape[levels], mean * count, count, below))
     square = of_mean * size2
-    return SlowNoise(_half_width(weight, np.sqrt(square)) / _K, _DOF, float(np.sum(weight * rise)))
+    falling, of_falling = _falling(place)
+    near = place < min(_NEAR_ZERO, periods or _NEAR_ZERO)
+    fits, own_fits = (_fits(each[:, near], mean[near], count[near]) for each in (shape, falling))
+    # likelihoods of both kinds of density, each over its own models
+    most = max(float(np.max(fits)), float(np.max(own_fits)))
+    others, own = float(prior @ np.exp(fits - most)), np.exp(own_fits - most) / len(own_fits)
+    falls = _FALLS * float(np.sum(own)) / (_FALLS * float(np.sum(own)) + (1.0 - _FALLS) * others)
+    own_size2 = _posterior(falling, mean * count, count, near)
+    own /= np.sum(own) if np.any(own > 0.0) else 1.0
+    return SlowNoise(
+        _half_width(weight, np.sqrt(square)) / _K,
+        _DOF,
+        float(np.sum(weight * rise)),
+        falls,
+        math.sqrt(float(own @ (of_falling * own_size2))),
+    )
+
+
+def _falling(place: Floats) -> tuple[Floats, Floats]:
+    """Return the densities f^2 / (f^2 + c^2) of all corners c, each with white noise of some levels, at
+    places in a record that blurs them, shape (models, places), and their variance of the mean, shape
+    (models,).
+
+    That of a first-order lag is the Fourier integral of (1 - |t|) exp(-2 pi c |t|) over the record.
+    """
+    at = np.append(0.0, place)
+    corners = 2.0 * np.pi * _FALL_CORNERS[:, np.newaxis]
+    z = corners + 2j * np.pi * at
+    lag = corners * np.real(1.0 / z - (1.0 - np.exp(-corners)) / z**2)
+    seen = ((1.0 - lag)[:, np.newaxis, :] + _LEVELS[:, np.newaxis]).reshape(-1, len(at))
+    return seen[:, 1:], seen[:, 0]
 
 
 def _size2(shape: Floats, power: Floats, count: Floats, low: NDArray[np.bool_]) -> Floats:

@@ -6,10 +6,12 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.repeated_steps import RepeatedSteps, steps_of_periods
 from benchtool.analysis.ripple_extremes import FEWEST_PERIODS, Tails, extremes_of_ripple
 from benchtool.analysis.scatter import (
@@ -31,7 +33,7 @@ LOW_PERCENT, HIGH_PERCENT = 0.5, 99.5
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
 _ALIKE = 3.0  # standard deviations of a correlation
-_NEAR = 0.25  # per cent to either side, for the density there
+_NORMAL = np.array([NormalDist().inv_cdf((i + 0.5) / 32) for i in range(32)])  # equally probable
 _OF_LAST = 16  # one in so many
 _PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
 
@@ -108,11 +110,11 @@ def scatter_of_periods(
     if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
-    of_mean = _slowly(samples, repeats)
+    of_mean = _slowly(samples, repeats, may_fall=True)
     rest = within if of_mean.left is samples else of_mean.left[: rows[-1]]
     # what lines and the rest have in common is nothing over whole cycles of both
     square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)
-    of_square = _slowly(square, repeats)
+    of_square = _slowly(square, repeats, may_fall=True)
     squares = repeats.means(square)
     rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines))
     # noise as that of the mean moves an amplitude sqrt(2) times as much
@@ -157,7 +159,7 @@ class _Slowly:
         return self.lines.mean_square if self.lines is not None and self.lines.are_apart else 0.0
 
 
-def _slowly(series: Floats, repeats: Periods, *, pooled: bool = True) -> _Slowly:
+def _slowly(series: Floats, repeats: Periods, *, pooled: bool = True, may_fall: bool = False) -> _Slowly:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
     course of few constants, such as a drift; of few periods `pooled` with its density."""
     rows, periods = repeats.rows, len(repeats)
@@ -174,7 +176,8 @@ def _slowly(series: Floats, repeats: Periods, *, pooled: bool = True) -> _Slowly
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:
         length = float(repeats.edges[-1])
-        error = at_lowest_frequencies(rest, error_of_series(means), periods, length, pooled=pooled)
+        by_parts = error_of_series(means)
+        error = at_lowest_frequencies(rest, by_parts, periods, length, pooled=pooled, may_fall=may_fall)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
     course = None if trend is None else means - middle - size * trend.rest
@@ -233,13 +236,13 @@ def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> 
     contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
-    Ann. Math. Statist. 37 (1966)); the density is that between percentiles a little to either side. Where
-    neighbouring periods are correlated, how the ranges of parts of the record scatter is added. What it moves
-    by from sample to sample is a series as the samples are, with noise that is too slow for the record. How
-    many samples slow lines and a course bring beyond is expected: by the distribution of the rest without
-    them. What is not, is where in a cycle the record begins and ends.
+    Ann. Math. Statist. 37 (1966)), within the shares that other records have. Where neighbouring periods are
+    correlated, how the ranges of parts of the record scatter is added. What it moves by from sample to sample
+    is a series as the samples are, with noise that is too slow for the record. How many samples slow lines
+    and a course bring beyond is expected: by the distribution of the rest without them. What is not, is where
+    in a cycle the record begins and ends.
     """
-    beyond, begin = _Beyond.of(samples), repeats.rows[:-1]
+    beyond, begin = _Beyond.of(samples, repeats), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
     lines = of_mean.lines
     if lines is not None and not lines.are_apart:
@@ -292,11 +295,11 @@ class _Beyond:
     of_high: float
 
     @staticmethod
-    def of(samples: Floats) -> _Beyond:
-        at = [each + by for each in (LOW_PERCENT, HIGH_PERCENT) for by in (-_NEAR, 0.0, _NEAR)]
-        below, low, above_low, below_high, high, above = np.percentile(samples, at)
-        per_share = 100.0 / (2.0 * _NEAR)
-        return _Beyond(low, high, per_share * (above_low - below), per_share * (above - below_high))
+    def of(samples: Floats, repeats: Periods) -> _Beyond:
+        low, high = np.percentile(samples, (LOW_PERCENT, HIGH_PERCENT))
+        of_low = _per_share(samples, LOW_PERCENT / 100.0, repeats.means((samples < low).astype(float)))
+        of_high = _per_share(samples, HIGH_PERCENT / 100.0, repeats.means((samples > high).astype(float)))
+        return _Beyond(float(low), float(high), of_low, of_high)
 
     def moved(self, samples: Floats) -> Floats:
         """Return what each of samples, shape (n,), moves the range by, times n."""
@@ -308,6 +311,30 @@ class _Beyond:
         low = np.searchsorted(order, self.low - lines) / len(order)
         high = 1.0 - np.searchsorted(order, self.high - lines, side="right") / len(order)
         return np.asarray(self.of_low * low + self.of_high * high)
+
+
+def _per_share(samples: Floats, below: float, shares: Floats) -> float:
+    """Return by how much a quantile of samples, shape (n,), the share `below` of which is below it, moves for
+    the share beyond it, given that of each period, shape (periods,).
+
+    It is the deviation of the quantiles at the shares that other records have, a Gamma distribution, over
+    that of the shares (Maritz and Jarrett, J. Am. Stat. Assoc. 73 (1978) 194): where values are in heaps, as
+    those that a converter makes, it is of how often a record ends in the next.
+    """
+    share = min(below, 1.0 - below)
+    error = error_of_series(shares)
+    deviation = error.standard / students_deviation(error.dof) if math.isfinite(error.standard) else share
+    deviation = max(deviation, 1.0 / len(samples))
+
+    def slope(deviation: float) -> float:
+        # Wilson and Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684
+        root = deviation / (3.0 * share)
+        places = np.minimum(share * np.maximum(0.0, 1.0 - root**2 + root * _NORMAL) ** 3, 1.0)
+        values = np.quantile(samples, places if below < 0.5 else 1.0 - places)
+        return float(np.std(values) / np.std(places))
+
+    # a heap that ends beyond this deviation in this record ends within it in others
+    return max(slope(deviation), slope(2.0 * deviation))
 
 
 def _of_few(beyond: NDArray[np.bool_], begin: NDArray[np.int64]) -> float:

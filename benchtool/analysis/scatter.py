@@ -219,6 +219,7 @@ def at_lowest_frequencies(
     length: float | None = None,
     *,
     pooled: bool = False,
+    may_fall: bool = False,
 ) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
     the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
@@ -231,6 +232,8 @@ def at_lowest_frequencies(
 
     `periods` are the whole periods that the samples hold of what repeats, up to `length` of them, by which
     the last may be more than a row. The scatter of few parts is `pooled` with the density where both agree.
+    Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero frequency
+    counts by its probability.
     """
     if not math.isfinite(by_parts.standard):
         parts = means_of_parts(samples)
@@ -240,6 +243,25 @@ def at_lowest_frequencies(
     values = means_of_blocks(samples, periods, length=length)
     by_parts = without_oscillations(values, by_parts)
     slow = slow_noise(values, periods)
+    error = _of_density(values, by_parts, slow, periods, pooled=pooled)
+    if slow is None or not may_fall or not math.isfinite(error.standard):
+        return error
+    falling2 = slow.of_falling**2
+    if not falling2 < error.standard**2:
+        return error
+    standard = math.sqrt(slow.falls * falling2 + (1.0 - slow.falls) * error.standard**2)
+    return replace(error, standard=standard)
+
+
+def _of_density(
+    values: NDArray[np.float64],
+    by_parts: MeanError,
+    slow: SlowNoise | None,
+    periods: int,
+    *,
+    pooled: bool,
+) -> MeanError:
+    """Return that of a density that does not fall towards zero frequency."""
     # the scatter of few parts is itself so uncertain that it does not speak against more
     clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
     if slow is None or slow.standard < clearly * by_parts.standard:

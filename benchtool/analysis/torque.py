@@ -125,8 +125,8 @@ _NUMBERS: Final = (
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much (none where it "
-        "rises more steeply than that of 1/f noise); by how much what was taken out differs from period to "
-        "period; resolution that repeats",
+        "rises more steeply than that of 1/f noise), less where it probably falls there; by how much what "
+        "was taken out differs from period to period; resolution that repeats",
     ),
     (
         ("ripple_pp",),
@@ -152,10 +152,10 @@ _NUMBERS: Final = (
         "Nm",
         "99.5th - 0.5th percentile",
         "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids and of a "
-        "drift, / density there x sqrt(tau / N_p), or by the density at zero frequency as for the mean; up "
-        "to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, hold what is beyond; 1.5 "
-        "s of those of eighths of the record / sqrt(8) besides, where neighbouring periods have ripple of "
-        "like size; where in a slow cycle the record begins; resolution / sqrt(6), in U a whole step; "
+        "drift, x what the percentile moves with them x sqrt(tau / N_p), or by the density at zero frequency "
+        "that does not fall; up to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, "
+        "hold what is beyond; 1.5 s of those of eighths of the record / sqrt(8) besides, where "
+        "neighbours have ripple of like size; where in a slow cycle the record begins; resolution / sqrt(6), in U a whole step; "
         "u(mean)^2 as for the rms; none of fewer than four periods",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),

@@ -305,6 +305,21 @@ def test_percentiles_of_three_periods_have_no_uncertainty_but_a_reason() -> None
         assert ("fewer than four periods" in found.uncertainty_reason) == (periods == 3)
 
 
+def test_percentiles_between_heaps_are_known_to_the_next_heap() -> None:
+    # a sample in two hundred is of the highest heap, and so in half of the records the percentile is too
+    random, count = np.random.default_rng(5), 12 * PER_PERIOD + 1
+    stated, read = [], []
+    for _ in range(40):
+        levels = np.searchsorted([0.005, 0.5, 0.9, 0.996], random.random(count))
+        found = numbers(levels + 1e-4 * random.standard_normal(count), track(count))
+        number = found["torque_ripple_percentile_range"]
+        assert number.uncertainty is not None
+        stated.append(number.uncertainty.standard)
+        read.append(number.value)
+    assert np.std(read) > 0.3
+    assert 0.8 < np.median(stated) / np.std(read) < 1.8
+
+
 def test_percentiles_on_a_drift_are_known_as_well_as_without() -> None:
     random, count = np.random.default_rng(5), PERIODS * PER_PERIOD + 1
     drift = np.linspace(-0.5, 0.5, count)

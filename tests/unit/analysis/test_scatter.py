@@ -190,3 +190,18 @@ def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> 
         by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
         stated.append(at_lowest_frequencies(record, by_parts, periods).standard)
     assert 0.8 * scatter < np.median(stated) < 3.0 * scatter
+
+
+def test_the_mean_under_a_control_with_an_integral_is_known_better_than_the_density_above_says() -> None:
+    random, periods, count = np.random.default_rng(6), 20, 2560
+    driven = random.standard_normal((60, count + 2000))
+    # the integral's corner is two cycles a period fast
+    records = signal.lfilter([1.0, -1.0], [1.0, -0.91], driven, axis=1)[:, 2000:]
+    scatter = float(np.std(np.mean(records, axis=1)))
+    stated: dict[bool, list[float]] = {False: [], True: []}
+    for record in records:
+        by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
+        for may_fall, found in stated.items():
+            found.append(at_lowest_frequencies(record, by_parts, periods, may_fall=may_fall).standard)
+    assert np.median(stated[False]) > 3.0 * scatter
+    assert scatter < np.median(stated[True]) < 2.5 * scatter
