@@ -49,7 +49,8 @@ class OrderSpectrum:
 
     `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
     `mean` is order 0. `stands_out_above`, of shape (orders,), is the least amplitude that noise and the other
-    errors do not explain. All are in `unit`. `method` says in words how they were made.
+    errors do not explain. In both is what a wobble of the angle may have taken off each, `lost`, and put
+    `beside` the others, shape (orders,). All are in `unit`. `method` says in words how they were made.
     """
 
     signal: str
@@ -64,12 +65,26 @@ class OrderSpectrum:
     basis: Basis
     dof: NDArray[np.float64]
     stands_out_above: NDArray[np.float64]
+    lost: NDArray[np.float64]
+    beside: NDArray[np.float64]
     step: float = 0.0
 
     @property
     def largest(self) -> NDArray[np.int64]:
         """Orders by falling amplitude."""
         return self.order[np.argsort(-self.amplitude, kind="stable")]
+
+    def with_wobble(self, lost: NDArray[np.float64], beside: NDArray[np.float64]) -> OrderSpectrum:
+        """Return it where the wobble may have taken off and put beside no more than this, shape (orders,)."""
+        lost, beside = np.minimum(lost, self.lost), np.minimum(beside, self.beside)
+        less2 = self.lost**2 - lost**2 + self.beside**2 - beside**2
+        return replace(
+            self,
+            standard=np.sqrt(np.maximum(0.0, self.standard**2 - less2)),
+            stands_out_above=np.sqrt(np.maximum(0.0, self.stands_out_above**2 - _OF_OTHERS**2 * less2)),
+            lost=lost,
+            beside=beside,
+        )
 
 
 @dataclass(frozen=True)
@@ -141,8 +156,8 @@ def resampled_orders(
     """Return orders of a uniformly sampled channel: bin k x revolutions of its coherent spectrum is order k.
 
     The uncertainty is from the bins beside each order (`line_noise`), and from the wobble of the angle about
-    its smooth track, which may be a motion of the rotor or an error of the encoder: the samples do not show
-    which. `known` are the revolutions where the channel is among those resampled already.
+    its smooth track, which may be a motion of the rotor or an error of the encoder. `known` are the
+    revolutions where the channel is among those resampled already.
 
     Raises:
         AnalysisError: as `track_angle` and `coherent_spectrum`, a gap, or an angle that is off its smooth
@@ -204,8 +219,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
             for each, order in zip(amplitude, orders, strict=True)
         ]
     )
-    by_wobble = wobble.lost(amplitude) ** 2 + wobble.beside(amplitude) ** 2
-    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + by_wobble)
+    lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
+    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2 + beside**2)
     about = f"{wobble.rms_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
     return OrderSpectrum(
         signal=channel,
@@ -219,6 +234,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         uncertainty_source=f"noise and leakage beside the order, resampling, resolution, and {about}",
         dof=noise.dof,
         stands_out_above=_explained(noise.in_phase, _OF_DOF * noise.dof, others),
+        lost=lost,
+        beside=beside,
         step=step,
         basis=Basis(
             samples=spectrum.samples,
@@ -270,7 +287,8 @@ def fitted_orders(
     by_steps = _repeated_steps(fit, values, coverage) / low
     basis = basis or Basis(len(values))
     wobble = wobble or Wobble()
-    others = np.sqrt(by_steps**2 + wobble.lost(amplitude) ** 2 + wobble.beside(amplitude) ** 2)
+    lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
+    others = np.sqrt(by_steps**2 + lost**2 + beside**2)
     return OrderSpectrum(
         signal=signal,
         unit=unit,
@@ -283,6 +301,8 @@ def fitted_orders(
         uncertainty_source=f"{fit.uncertainty_source}, and resolution",
         dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
         stands_out_above=_explained(fit.noise / low, np.full(count, fit.noise_dof), others),
+        lost=lost,
+        beside=beside,
         step=counting_step(values),
         basis=replace(
             basis,

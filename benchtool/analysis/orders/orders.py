@@ -29,6 +29,7 @@ from benchtool.analysis.orders.order_spectrum import (
     revolutions_of,
 )
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
+from benchtool.analysis.orders.wobble_source import WobbleSource, source_of_wobble
 from benchtool.analysis.periods import track_angle
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Uncertainty
@@ -41,6 +42,7 @@ from benchtool.errors import AnalysisError
 _LARGEST_LISTED = 10
 _CHANNELS: Final = "torque", "omega_m"
 _SECTORS = 72
+_NEARLY_ALL = 1.4  # half of a variance
 _FEWEST_TO_REPEAT = 4  # revolutions
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 MACHINE_ORDERS: Final = ("1p", "2p", "6p", "12p", "slots", "cogging")
@@ -84,7 +86,8 @@ def order_analysis(
     In steady state the channel is resampled to equal steps of a smooth track of the angle, and the DFT over
     whole revolutions gives the orders (`resampled_orders`). Where rows are missing, the speed changes or the
     angle wobbles about that track by more than 1.5 mrad rms, sines are fitted on the measured angle instead
-    (`fitted_orders`). The definition of each number says which.
+    (`fitted_orders`), and where the orders themselves tell whether that wobble is the rotor's, by what they
+    tell (`source_of_wobble`). The definition of each number says which.
 
     Args:
         block: any recording; gaps are allowed.
@@ -100,11 +103,32 @@ def order_analysis(
         AnalysisError: no such channel, a dead or clipped signal, fewer than two mechanical revolutions.
     """
     require_unclipped(block.column(channel), channel)
+    return describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
+
+
+def _spectrum(block: Block, channel: str, angle: str, known: Revolutions | None) -> OrderSpectrum:
+    """Return the orders along the smooth track or along the angle: the one that the signal turns with, where
+    it tells."""
     try:
-        spectrum = resampled_orders(block, channel, angle, known=known)
+        smooth, source = _by_time(block, channel, angle, known)
     except AnalysisError:  # a gap or a change of speed: orders by angle do not need time, and refuse the rest
-        spectrum = _by_angle(block, channel, angle)
-    return describe_orders(spectrum, name, pole_pairs, slots, orders)
+        return _by_angle(block, channel, angle)
+    if not source.is_rotor:
+        return source.with_what_is_told(smooth)
+    return source.with_what_is_told(_by_angle(block, channel, angle))
+
+
+def _by_time(
+    block: Block,
+    channel: str,
+    angle: str,
+    known: Revolutions | None = None,
+    largest_wobble_rad: float = LARGEST_WOBBLE_RAD,
+) -> tuple[OrderSpectrum, WobbleSource]:
+    if known is None or channel not in known.samples:
+        known = revolutions_of(block, (channel,), angle, largest_wobble_rad)
+    smooth = resampled_orders(block, channel, angle, known=known)
+    return smooth, source_of_wobble(np.ascontiguousarray(block.column(channel)), known.track, smooth)
 
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
@@ -117,13 +141,26 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
     if step_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
         try:
-            return resampled_orders(block, channel, angle, step_rad)
+            smooth, source = _by_time(block, channel, angle, None, step_rad)
         except AnalysisError:
             pass
+        else:
+            return smooth if source.is_rotor else source.with_what_is_told(smooth)
     ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
     basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
-    wobble = wobble_of(coverage, ticks.astype(np.float64))
-    return fitted_orders(coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble)
+    wobble, source = wobble_of(coverage, ticks.astype(np.float64)), WobbleSource()
+    if wobble.rms_rad > LARGEST_WOBBLE_RAD:
+        try:
+            smooth, source = _by_time(block, channel, angle, None, _NEARLY_ALL * wobble.rms_rad)
+        except AnalysisError:  # it moves otherwise as well
+            pass
+        else:
+            if source.is_sensor:
+                return source.with_what_is_told(smooth)
+    fitted = fitted_orders(
+        coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble
+    )
+    return source.with_what_is_told(fitted)
 
 
 def wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
@@ -140,7 +177,9 @@ def wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
     deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
     mean = deviation  # few revolutions do not show what repeats: then all of it may be the encoder's
     if coverage.revolutions >= _FEWEST_TO_REPEAT:
-        mean, _ = sector_means(coverage, deviation, _SECTORS)
+        # a course that does not repeat is no whole number of cycles, and leaks less under a Hann window
+        window = 1.0 - np.cos(TURN * (np.arange(len(times)) + 0.5) / len(times))
+        mean, _ = sector_means(coverage, window * deviation, _SECTORS)
     repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
     # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
     noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
