@@ -14,6 +14,7 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.quantisation import level_of, resolution
+from benchtool.analysis.scatter import neighbours_alike
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import (
@@ -43,7 +44,11 @@ from benchtool.analysis.spectra.interharmonics import (
     together,
     without,
 )
-from benchtool.analysis.spectra.modulation import phase_noise_rad, with_steady_amplitude
+from benchtool.analysis.spectra.modulation import (
+    harmonics_tell,
+    phase_noise_rad,
+    with_steady_amplitude,
+)
 from benchtool.analysis.spectra.moving_tones import Course, course_of
 from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
 from benchtool.analysis.spectra.phase_following import follow, wander
@@ -62,6 +67,11 @@ from benchtool.analysis.window import Window
 from benchtool.block import Block
 
 _LOW_ORDER = 10
+_BEATS = (
+    "the amplitude changes within the window, and no harmonic tells that it is no line beside the "
+    "fundamental: record longer, or the angle"
+)
+_CLEARLY, _FEWEST = 4.0, 4  # standard deviations of a correlation; periods
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -156,6 +166,14 @@ def current_spectrum(
         with_trend,
     )
     errors = replace(errors, beside=close.standard[:highest])
+    changes = steady.trend is not None or (
+        coherent.periods > _FEWEST and neighbours_alike(alone.amplitude) > _CLEARLY
+    )
+    unsteady = clean if with_trend is None else with_trend[0]
+    # with no phase but its own, and no harmonic that tells, a line beside it may be all of that
+    beats = by_signal and changes and not (close.turned_rad or harmonics_tell(unsteady, highest))
+    if beats:
+        errors.wander[0] = math.nan
     of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None
@@ -174,7 +192,7 @@ def current_spectrum(
             seen,
             basis,
             rate_relative,
-            sound.of_ratios,
+            sound.of_ratios or (_BEATS if beats else ""),
             step,
             close.turned_rad,
         ),

@@ -26,7 +26,7 @@ CORRELATED = 1.5
 """Periods that count as one, from which neighbours are taken for correlated."""
 
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
-_FEWEST_PAIRS = 4
+_FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _ROUNDS = 3
 _LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
@@ -56,6 +56,18 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
     product = np.real(of_sums @ np.conj(of_first))
     size = np.sqrt(np.sum(np.abs(of_sums) ** 2, axis=1) * np.sum(np.abs(of_first) ** 2))
     return np.asarray(product > _ALIKE * size)
+
+
+def harmonics_tell(spectrum: CoherentSpectrum, orders: int) -> bool:
+    """Return whether harmonics 2 to `orders`, each by its amplitude, have the sidebands of the fundamental,
+    or would show them if they had: else nothing tells a modulation from a line beside the fundamental."""
+    amplitude = spectrum.amplitude[spectrum.periods :: spectrum.periods][:orders]
+    sidebands = _sidebands(spectrum, orders)
+    found, of_first = amplitude[1:] @ sidebands[1:], sidebands[0]
+    expected = float(np.sum(amplitude[1:] ** 2)) / float(amplitude[0]) * of_first
+    size, most = float(np.linalg.norm(found)), float(np.linalg.norm(expected))
+    alike = float(np.real(found @ np.conj(of_first))) > _ALIKE * size * float(np.linalg.norm(of_first))
+    return alike or size < _WOULD_SHOW * most
 
 
 def _sidebands(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.complex128]:

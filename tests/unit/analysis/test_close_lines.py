@@ -97,3 +97,19 @@ def test_the_frequency_is_that_without_a_line_beside_the_fundamental() -> None:
     assert abs(track_tone(signal).periods / (len(ROW) - 1) * RATE_HZ - RATE_HZ / PER_PERIOD) > 5.0 * abs(
         error
     )
+
+
+@pytest.mark.parametrize(("harmonic", "is_known"), [(0.0, False), (0.03, True)])
+def test_only_harmonics_tell_a_ramp_of_the_amplitude_from_a_line_beside_it(
+    harmonic: float, is_known: bool
+) -> None:
+    """Within a third of a bin a line makes the amplitude rise evenly."""
+    random, rows = np.random.default_rng(7), 41 * 200
+    place = np.arange(rows) / rows
+    theta = 2.0 * np.pi * 41.0 * place
+    current = (1.0 + 0.01 * place) * (np.cos(theta) + harmonic * np.cos(5.0 * theta + 1.0))
+    current += 3e-4 * random.standard_normal(rows)
+    block = Block.from_arrays(10e3, {"i_a": "A"}, i_a=current)
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
+    assert (found["current_fundamental"].uncertainty is not None) is is_known
+    assert (found["fundamental_frequency"].uncertainty is not None) is is_known
