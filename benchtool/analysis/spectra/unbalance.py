@@ -27,7 +27,7 @@ from benchtool.analysis.scatter import MeanError, error_of_series, is_memory_unt
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.modulation import CORRELATED
-from benchtool.analysis.spectra.noise import PAIRS, converter_steps, noise_at_line, repeated_quantisation
+from benchtool.analysis.spectra.noise import PAIRS, converter_steps, noise_at_lines, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -111,7 +111,8 @@ def _beside(samples: Floats, periods: int) -> MeanError:
     number = np.arange(1, 2 * PAIRS + 1)
     number = number[(number % periods != 0) & (number < len(samples) // 2)][:PAIRS]
     bins = fft.rfft(samples)[number] / len(samples)
-    return MeanError(math.sqrt(noise_at_line(bins.real**2 + bins.imag**2)), 2.0 * len(number))
+    power = noise_at_lines((bins.real**2 + bins.imag**2)[np.newaxis])
+    return MeanError(math.sqrt(float(power[0])), 2.0 * len(number))
 
 
 @dataclass(frozen=True)
