@@ -67,10 +67,10 @@ def response(apart: Floats, count: int) -> Floats:
     width, angle = np.pi / count, np.pi / count * apart
     nearest = np.round(apart)
     numerator = alternating(nearest) * np.sin(np.pi * (apart - nearest)) * np.cos(angle) * np.sin(width) ** 2
-    below = count * np.sin(angle) * np.sin(width - angle) * np.sin(width + angle)
+    beside = np.sin(width * (1.0 - apart)) * np.sin(width * (1.0 + apart))
     pole = (np.abs(apart - nearest) < _ON_BIN) & (np.abs(nearest) <= 1.0)
     at_pole = np.where(nearest == 0.0, 1.0, 0.5)
-    return np.where(pole, at_pole, numerator / np.where(pole, 1.0, below))
+    return np.where(pole, at_pole, numerator / np.where(pole, 1.0, count * np.sin(angle) * beside))
 
 
 def steady(number: Integers, count: int) -> Model:
