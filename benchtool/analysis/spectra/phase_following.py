@@ -158,9 +158,8 @@ def follow(
 
     Where it does not, by more than 2 mrad rms and more than noise explains, the track follows the measured
     angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, without
-    what its harmonics do not repeat, by a smoothing spline through one phase in each period (the smoothness
-    by generalized cross-validation: Wahba, Spline Models for Observational Data, ch. 4). So a speed that
-    swings or drifts, and an angle that slips against the signal, leave the harmonics whole.
+    what its harmonics do not repeat, by a natural cubic spline through one phase in each period. So a speed
+    that swings or drifts, and an angle that slips against the signal, leave the harmonics whole.
 
     Raises:
         AnalysisError: as `coherent_samples`.
@@ -322,11 +321,11 @@ def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None
         return None
     begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
     numbers = track.sample_numbers(begin + 2 * np.pi * found.turns)
-    from scipy.interpolate import make_smoothing_spline  # draws in scipy.optimize, as above
+    from scipy.interpolate import CubicSpline  # draws in scipy.optimize, as above
 
-    # the polynomial takes a drift, which the spline smooths otherwise
+    # the polynomial takes a drift, whose bend a natural spline does not have at its ends
     drift = Polynomial.fit(numbers, phase_rad, 2)
-    spline = make_smoothing_spline(*_extended(numbers, phase_rad - drift(numbers)))
+    spline = CubicSpline(*_extended(numbers, phase_rad - drift(numbers)), bc_type="natural")
     before = track.departure
     added = "" if "itself" in track.source else f", followed by the phase of {name} itself"
 
