@@ -203,8 +203,9 @@ class _Smoothed:
                 apart = relative > _CONTRADICTS
                 if shorter <= _OF_FEW:
                     apart = _in_rows(apart)
-                alike = float(np.mean(between**2)) / square**2  # rows that tell as much as one
-                apart |= _on_average(relative, most >= longer, _STRETCH * (2 * longer + 1), alike)
+                if longer <= _STRETCH * shorter:  # those yet shorter are noisier, and tell less of a stretch
+                    alike = float(np.mean(between**2)) / square**2  # rows that tell as much as one
+                    apart |= _on_average(relative, most >= longer, _STRETCH * (2 * longer + 1), alike)
                 most = np.where(apart & (most >= longer), np.minimum(most, ladder[at - 1]), most)
         # where part of a window reaches over an edge, too little to show, its end has still no place
         away = _CLEARANCE * np.arange(count)
