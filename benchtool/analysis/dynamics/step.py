@@ -104,16 +104,10 @@ def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
     times = _AT_REST
     if (noise := LITTLE * step.y_noise.rms) > 0.0:
         times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
-    event = _event(step)
-    begin = event + math.ceil(times * (settled.place - event))
+    begin = math.ceil(times * settled.place)
     away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
     later = end_of_tail(away, band, step.y_noise.rms)
     return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
-
-
-def _event(step: Step) -> int:
-    """Return the row since which the signal is on its way to its last level: a pulse falls later."""
-    return step.leaves if step.leaves < len(step.r) else 0
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -334,7 +328,8 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
         return
     error = step.sign * (step.y - step.r)
     course = replace(curve, values=step.sign * (curve.values - step.r))
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, _event(step))
+    fall = step.leaves if step.leaves < len(step.r) else 0  # of a pulse, and no time since its rise counts
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, fall)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
