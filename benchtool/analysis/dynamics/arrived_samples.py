@@ -281,7 +281,7 @@ class ArrivedSamples:
         is. Noise that moves the instant ahead of an edge moves the samples there as much: they are no further
         away than the course after it is steep, and noise."""
         found, samples = of(self.values), self.samples
-        if self.is_moved_by_noise and len(self.course) > 1:
+        if self.is_moved_by_noise and len(self.course) > 1 and not np.any(self.of_times):
             ahead = np.arange(self.first, 0, -1.0)
             reach = _STEEPER * abs(float(self.course[1] - self.course[0])) * ahead + self.noise.rms
             level = float(self.values[0])
