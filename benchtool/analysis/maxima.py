@@ -28,6 +28,8 @@ _MOST_MAXIMA = 40  # of more, the largest of some each are closer to the distrib
 _OCTAVES = 24  # of numbers of values
 _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the excess of three uniform values
 _LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
+_OF_HEAP, _APART = 3, 20.0  # maxima, and widths: of an exponential tail once in two thousand records
+_IN_NEXT = 1.0 - math.sqrt(0.5)
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
 
@@ -51,6 +53,20 @@ def scatter_of_largest_maximum(maxima: Floats, least: float = 0.0) -> float:
     of_all = relative * (len(maxima) / size) ** -_SHAPES
     mean_square = float(np.sum(weight * of_all**2) / np.sum(weight))
     return max(least, students_deviation(float(count)) * width * math.sqrt(mean_square))
+
+
+def scatter_of_heap(maxima: Floats) -> float:
+    """Return the standard deviation of the largest of maxima, shape (n,), over records of as many, where the
+    largest of them are a heap, as of a signal that takes few values; 0 where they are none.
+
+    Then it is in that heap again, or in one that is as far above it as the next is below: with the
+    probability that something of which there was nothing in n is once in n (Jeffreys' prior: Beta
+    distribution of 1/2 and n + 1/2), of many 1 - sqrt(1/2).
+    """
+    ordered = np.sort(maxima)[::-1]
+    gaps, widths = ordered[_OF_HEAP - 1 : -1] - ordered[_OF_HEAP:], ordered[0] - ordered[_OF_HEAP - 1 : -1]
+    ends = np.flatnonzero(gaps > _APART * widths)
+    return math.sqrt(_IN_NEXT * (1.0 - _IN_NEXT)) * float(gaps[ends[0]]) if len(ends) else 0.0
 
 
 def is_no_heavier_than_normal(deviations: Floats) -> bool:

@@ -179,11 +179,10 @@ def peak_to_peak_number(
     require_unbroken(block)
     samples = np.ascontiguousarray(block.column(channel))
     whole = ripple(samples, block.unit(channel), channel)
-    scatter = None
+    scatter, step = None, counting_step(samples)
     if track is not None:
         repeats = Periods(track.period_rows())
-        scatter = scatter_of_periods(samples, repeats, percentiles=False)
-    step = counting_step(samples)
+        scatter = scatter_of_periods(samples, repeats, step, percentiles=False)
     basis = record_basis(block)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
     clipped = clipping(samples) or standing(samples)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.maxima import (
     ends_before_normal,
     is_no_heavier_than_normal,
+    scatter_of_heap,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
@@ -55,11 +56,14 @@ class Tails:
         return Tails(index, is_light, of_normal)
 
 
-def extremes_of_ripple(samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails) -> float:
+def extremes_of_ripple(
+    samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails, step: float = 0.0
+) -> float:
     """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
     samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
     those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
-    falls over the whole record, as in part of a beat: what it comes to is not told."""
+    falls over the whole record, as in part of a beat: what it comes to is not told. Values in heaps that are
+    no `step` of a converter, whose resolution is elsewhere, end in the next heap or not."""
     found = [
         [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
         [_about_course(each) for each in _extremes_of_periods(samples, begin)],
@@ -68,6 +72,10 @@ def extremes_of_ripple(samples: Floats, rest: Floats, begin: NDArray[np.int64], 
     largest, least = found[0] if is_told else found[1]
     if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
         return math.nan
+    heaps = [scatter_of_heap(each) for each in _extremes_of_periods(samples, begin)]
+    if any(heaps) and not step > 0.0:
+        both = (of_heap or each.scatter(0.0) for of_heap, each in zip(heaps, (largest, least), strict=True))
+        return math.hypot(*both)
     together = _grow_together(largest.values, least.values)
     if tails.is_light and not together and largest.is_plain and least.is_plain:
         both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))

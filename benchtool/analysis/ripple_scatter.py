@@ -130,7 +130,7 @@ def scatter_of_periods(
         percentile_range=_percentile_scatter(within, repeats, of_mean)
         if percentiles and count >= FEWEST_EXTREMES
         else None,
-        peak_to_peak=extremes_of_ripple(within, rest, begin, tails),
+        peak_to_peak=extremes_of_ripple(within, rest, begin, tails, step),
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,

@@ -10,6 +10,7 @@ import pytest
 from benchtool.analysis.maxima import (
     ends_before_normal,
     is_no_heavier_than_normal,
+    scatter_of_heap,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
@@ -71,3 +72,21 @@ def test_what_a_control_bounds_ends_before_normal_noise_does() -> None:
     bounded = [ends_before_normal(np.clip(random.standard_normal(5000), -2.9, 2.9)) for _ in range(50)]
     assert all(bounded)
     assert not ends_before_normal(np.empty(0))
+
+
+def test_the_largest_of_heaps_is_in_the_same_or_in_the_next() -> None:
+    # one maximum in seventeen is in the highest heap: half of the records have one there
+    random = np.random.default_rng(8)
+    levels = np.searchsorted([0.4, 16.0 / 17.0], random.random((300, 12)))
+    maxima = levels + 1e-3 * random.standard_normal(levels.shape)
+    stated = np.array([scatter_of_heap(each) for each in maxima])
+    largest = np.max(maxima, axis=1)
+    assert np.mean(stated > 0.0) > 0.6
+    error = (largest - np.mean(largest))[stated > 0.0] / stated[stated > 0.0]
+    assert 0.7 < np.sqrt(np.mean(error**2)) < 1.6
+
+
+def test_values_of_no_heaps_are_none() -> None:
+    random = np.random.default_rng(9)
+    for draw in (random.standard_normal, random.standard_exponential, random.random):
+        assert np.mean([scatter_of_heap(draw(12)) > 0.0 for _ in range(300)]) < 0.01
