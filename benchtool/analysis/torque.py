@@ -137,7 +137,8 @@ _NUMBERS: Final = (
         "shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
         "pi / sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest over the next, over that of scale 1 "
         "(Gumbel's distribution; of heavy tails Fréchet's), and that of max - min where both grow together; "
-        "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the ripple grows or falls over the whole record; "
+        "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the "
+        "ripple grows or falls over the whole record; "
         "and resolution / sqrt(6), in U a whole step",
     ),
     (
