@@ -21,6 +21,7 @@ from benchtool.analysis.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.scatter import (
     FEWEST_EXTREMES,
     MeanError,
+    at_lowest_frequencies,
     error_of_periods,
     error_of_root,
     error_of_series,
@@ -134,7 +135,7 @@ def _measurements(
     ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
     text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
     after = (len(psi) - revolutions[-1].stop) / len(whole)
-    of_mean = _of_mean(means, after)
+    of_mean = _of_mean(means, after, whole)
     yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
     scatter = math.nan
     if len(begins) >= FEWEST_EXTREMES:
@@ -262,14 +263,27 @@ def _growth(circle: NDArray[np.complex128]) -> tuple[complex, float]:
     return 0j, abs(float(size[-1] - size[0])) / (count - 1)
 
 
-def _of_mean(values: NDArray[np.float64], after: float) -> MeanError:
+def _of_mean(
+    values: NDArray[np.float64], after: float, samples: NDArray[np.float64] | None = None
+) -> MeanError:
     """Of the mean of values, shape (revolutions,), that of what a trend leaves of them, if they have one:
-    `after` is the share of the record after the last revolution."""
+    `after` is the share of the record after the last revolution. Without one, where they are the means of
+    `samples`, shape (n,), of what a control holds, the density of these tells it too."""
     trend = amplitude_trend(values, after=after)
     if trend is None:
-        return error_of_periods(values)
+        error = error_of_periods(values)
+        return error if samples is None else _by_density(samples, error, len(values))
     mean, left = abs(float(np.mean(values))), error_of_series(trend.rest)
     return MeanError(mean * math.hypot(left.standard, trend.deviation), left.dof)
+
+
+def _by_density(samples: NDArray[np.float64], by_parts: MeanError, count: int) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), of so many revolutions, by their means and by the
+    density of the samples, unless that rises too steeply: the means then have been continued."""
+    if not math.isfinite(by_parts.standard):
+        return by_parts
+    error = at_lowest_frequencies(samples, by_parts, count, pooled=True, may_fall=True)
+    return error if math.isfinite(error.standard) else by_parts
 
 
 def _of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: float) -> tuple[MeanError, str]:

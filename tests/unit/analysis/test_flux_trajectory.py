@@ -160,3 +160,16 @@ def test_a_radius_that_remembers_for_long_has_no_rms_also_where_that_seems_short
         found = next(each for each in flux_trajectory(block) if each.name == "flux_radius_rms")
         assert np.isnan(found.value), found
         assert "record longer" in found.reason
+
+
+def test_a_line_that_revolutions_cut_moves_their_means_and_not_the_mean_of_all() -> None:
+    random, error = np.random.default_rng(3), []
+    turns = np.arange(12 * 200 + 1) / 200
+    for _ in range(20):
+        line = 0.02 * np.cos(2 * np.pi * (2.37 * turns + random.random()))
+        psi = (1.0 + line + 0.01 * random.standard_normal(len(turns))) * np.exp(2j * np.pi * turns)
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        found = {each.name: each for each in flux_trajectory(block)}["flux_radius_mean"]
+        assert found.uncertainty is not None
+        error.append((found.value - 1.0) / found.uncertainty.standard)
+    assert 0.45 < np.std(error) < 1.2
