@@ -21,7 +21,7 @@ from benchtool.analysis.declaration import (
     ratio_of_units,
 )
 from benchtool.analysis.distributions import above_zero
-from benchtool.analysis.dynamics.estimated_response import NEPER_DB, FrequencyResponse, decibels
+from benchtool.analysis.dynamics.estimated_response import NEPER_DB, FrequencyResponse
 from benchtool.analysis.dynamics.frequency_response import frequency_response
 from benchtool.analysis.dynamics.gain_at_rest import gain_at_rest
 from benchtool.analysis.dynamics.margins import margins
@@ -147,6 +147,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     trusted = found.trusted.copy()
     trusted[: found.reference] = False  # below it no gain is accurate
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
+    response = found.response[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
     rest = gain_at_rest(frequency_Hz, gain, error, found.shared[trusted])
@@ -159,7 +160,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
 
     rest_dB = NEPER_DB * rest.relative_error
-    relative = ResponseCurve(frequency_Hz, decibels(gain / rest.gain), NEPER_DB * error, -_HALF_POWER_DB)
+    relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB)
     text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
@@ -169,7 +170,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 
     text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
     reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
-    turned = ResponseCurve(frequency_Hz, phase, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
+    turned = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
     # nowhere clearly down is not fallen; down from the first frequency on is
@@ -188,7 +189,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     median = float(np.median(coherence))
     yield Measurement("coherence_median", median, "", f"median {text}", basis, sensitivities=NO_SENSORS)
     if not unit:
-        yield from margins(frequency_Hz, found.response[trusted], error, basis)
+        yield from margins(frequency_Hz, response, error, basis)
 
 
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
@@ -318,7 +319,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "Hz",
             "lowest frequency at which the gain is `response_gain / sqrt(2)`, by a parabola through as many "
             "neighbours as it describes within their errors, shortened, or between few a cubic of the "
-            "logarithm of `f`; undefined where `response_gain` is uncertain by more than 0.9 dB",
+            "reciprocal of the response; undefined where `response_gain` is uncertain by more than 0.9 dB",
             label="bandwidth",
         ),
         Quantity(("bandwidth_90deg",), "Hz", "likewise, at which the phase, without jumps, is -90 degrees"),
@@ -326,8 +327,9 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("resonance_peak",),
             "dB",
             "greatest gain over `response_gain`: least value of `1 / gain^2` as a parabola of `f^2` through "
-            "as many neighbours as it describes within their errors, shortened; without such a peak the "
-            "greatest value, less what its errors add on average; as it is at least 0, the median of the "
+            "as many neighbours as it describes within their errors, shortened, or between few the greatest "
+            "of a cubic of the reciprocal of the response; without such a peak the greatest value, less what "
+            "its errors add on average; as it is at least 0, the median of the "
             "part of its distribution that is above. Undefined where it is uncertain by more than 0.9 dB, "
             "and where the gain neither shows a peak nor falls by 3 dB in the frequencies used",
         ),

@@ -12,13 +12,14 @@ Floats = NDArray[np.float64]
 
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _PARABOLA, _CUBIC = 3, 4  # terms
-_FAR = 0.25  # of the frequency: from there on few points are followed by a cubic, nearer ones scatter
+_FAR = 0.25  # of the frequency: errors hide how a curve bends over more than that
+_MOST = 9.0  # mean squared residual of five values, reached by chance once in e^9
 
 
 @dataclass(frozen=True)
 class LocalParabola:
     """Weighted least-squares parabola about 0: coefficients, their covariance, by the errors or by what it
-    leaves; and whether it describes its points.
+    leaves; whether it describes its points, and the mean square, in their errors, of what it leaves.
 
     `cubic` are the coefficients of one through the same points, all within `reach`, or of the parabola where
     there are too few.
@@ -27,6 +28,7 @@ class LocalParabola:
     coefficients: Floats
     covariance: Floats
     describes: bool
+    mean_square: float
     cubic: Floats
     reach: float
 
@@ -44,7 +46,7 @@ class LocalParabola:
         solution, columns = fitted(terms), places[:, np.newaxis] ** np.arange(terms)
         left = (values - columns @ solution) * root
         freedom = max(1, len(places) - terms)
-        mean_square = float(left @ left) / freedom
+        mean_square, reach = float(left @ left) / freedom, float(np.max(np.abs(places)))
         coefficients: Floats = np.zeros(_PARABOLA)
         covariance: Floats = np.zeros((_PARABOLA, _PARABOLA))
         coefficients[:terms] = solution
@@ -54,14 +56,20 @@ class LocalParabola:
             coefficients,
             covariance,
             mean_square <= 1.0 + _FITS * math.sqrt(2.0 / freedom),
+            mean_square,
             fitted(_CUBIC) if len(places) > _CUBIC else coefficients,
-            float(np.max(np.abs(places))),
+            reach,
         )
 
     @property
+    def misses(self) -> bool:
+        """Whether it misses its points by more than errors make it do."""
+        return self.mean_square > _MOST
+
+    @property
     def bridges(self) -> bool:
-        """Whether it bends over points far apart by more than their errors, and does not follow them."""
-        return not self.describes and self.reach > _FAR
+        """Whether it misses its points, or they are so far apart that errors hide how the curve bends."""
+        return self.misses or self.reach > _FAR
 
     @property
     def vertex(self) -> float:

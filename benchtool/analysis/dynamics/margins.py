@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.dynamics.estimated_response import NEPER_DB, decibels
+from benchtool.analysis.dynamics.local_reciprocal import LocalReciprocal
 from benchtool.analysis.dynamics.response_curve import Point, ResponseCurve
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
@@ -74,8 +75,8 @@ def _of_open_loop(
     frequency_Hz: Floats, opened: NDArray[np.complex128], spread: Floats, basis: Basis
 ) -> Iterator[Measurement]:
     """Yield what is read from the open loop and its relative errors, all of shape (n,)."""
-    gain = ResponseCurve(frequency_Hz, decibels(opened), NEPER_DB * spread, _SMALL_DB)
-    phase = ResponseCurve(frequency_Hz, np.unwrap(np.angle(opened)), spread, _SMALL_RAD)
+    gain = ResponseCurve.of_gain(frequency_Hz, opened, spread, _SMALL_DB)
+    phase = ResponseCurve.of_phase(frequency_Hz, opened, spread, _SMALL_RAD)
 
     unit, text = _OF_OPEN_LOOP["crossover"]
     crossover = gain.falls_to(0.0)
@@ -120,10 +121,13 @@ def _sensitivity_peak(
     T is so small at the last of them that S, at most 1 + T, cannot be much greater above.
     """
     name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
-    magnitude = np.maximum(np.abs(1.0 - closed), _LEAST)
-    curve = ResponseCurve(
-        frequency_Hz, decibels(magnitude), NEPER_DB * error * np.abs(closed) / magnitude, _SMALL_DB
-    )
+    reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error)
+
+    def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
+        found, relative = reciprocal.between(at, fine_Hz)
+        return _of_sensitivity(1.0 / found, relative)
+
+    curve = ResponseCurve(frequency_Hz, *_of_sensitivity(closed, error), _SMALL_DB, between)
     peak_dB, peak_error_dB = curve.resonance()
     peak, relative = 10.0 ** (peak_dB / 20.0), peak_error_dB / NEPER_DB
     last_Hz = float(frequency_Hz[-1])
@@ -145,6 +149,12 @@ def _sensitivity_peak(
     if reason:
         return Measurement.undefined(name, "", text, reason, basis)
     return Measurement(name, peak, "", text, basis, Uncertainty(peak * relative, _SOURCE))
+
+
+def _of_sensitivity(closed: NDArray[np.complex128], error: Floats) -> tuple[Floats, Floats]:
+    """Return the magnitudes of 1 - T in dB and their standard uncertainties, by T and its relative errors."""
+    magnitude = np.maximum(np.abs(1.0 - closed), _LEAST)
+    return decibels(magnitude), NEPER_DB * error * np.abs(closed) / magnitude
 
 
 def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:

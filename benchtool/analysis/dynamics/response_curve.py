@@ -2,24 +2,29 @@
 
 A response with errors first falls to a level too early, and its greatest value is too great. Both are read
 off local fits: a parabola over as many neighbouring frequencies as it describes within their errors,
-shortened so that hardly any bias is left.
+shortened so that hardly any bias is left. Where one does not even follow the five nearest, or they are far
+apart, the reciprocals of the response tell its course between two frequencies.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.dynamics.local_cubic import NEAREST, LocalCubic
+from benchtool.analysis.dynamics.estimated_response import NEPER_DB, decibels
 from benchtool.analysis.dynamics.local_parabola import LocalParabola
+from benchtool.analysis.dynamics.local_reciprocal import LocalReciprocal
 from benchtool.analysis.dynamics.noisy_curve import NoisyCurve
 
+Complex = NDArray[np.complex128]
 Floats = NDArray[np.float64]
+Course = Callable[[int, Floats], tuple[Floats, Floats]]
+"""Values and their standard uncertainties at frequencies between the one before an index and that."""
 
 _FEWEST = 2  # neighbours to either side of a local fit
 _LONGER = 1.5
@@ -27,14 +32,9 @@ _LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its rea
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
 _CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off a level
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
-_AT_THE_TOP = 3  # second differences: the greatest value and its neighbours
-_OF_A_CUSP = 1.0 / 3.0  # of the second difference: how much higher the peak is
-_OF_TWO = 2.0 * math.sqrt(2.0)  # standard deviations of a value: two of the sum of its neighbours
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
-_FINE = 200  # places between two frequencies
-_OF_PARABOLA = 0.6  # of what a parabola differs by
-_OF_STRAIGHT = 0.1  # of what a straight line differs by
+_FINE, _FINER = 100, 2  # places between two frequencies, and between two of these
 _OF_A_CUBIC, _FEWEST_OF_SCATTER = 4, 20  # neighbours that leave one free; values that tell their scatter
 _OF_MEDIAN = 1.0 / 0.4549  # mean square over median square, of normal values
 _VERTICES = 2  # fits, each about the vertex of the one before
@@ -72,13 +72,43 @@ class Point:
 class ResponseCurve:
     """Values at rising frequencies, all of shape (n,), with the standard uncertainty of each, uncorrelated.
 
-    `movement` is what counts as a small change of the values.
+    `movement` is what counts as a small change of the values, and `between` their course where no parabola
+    follows five of them.
     """
 
     frequency_Hz: Floats
     values: Floats
     error: Floats
     movement: float
+    between: Course | None = None
+
+    @classmethod
+    def of_gain(
+        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_dB: float
+    ) -> ResponseCurve:
+        """Return the gain in dB of a response and its relative errors, all of shape (n,)."""
+        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
+
+        def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
+            found, relative = reciprocal.between(at, fine_Hz)
+            return -decibels(found), NEPER_DB * relative
+
+        return cls(frequency_Hz, decibels(response), NEPER_DB * error, movement_dB, between)
+
+    @classmethod
+    def of_phase(
+        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_rad: float
+    ) -> ResponseCurve:
+        """Return the phase of a response, without jumps, and its errors, all of shape (n,)."""
+        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
+        phase = np.unwrap(np.angle(response))
+
+        def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
+            found, relative = reciprocal.between(at, fine_Hz)
+            along = np.interp(fine_Hz, frequency_Hz, phase)
+            return along - np.angle(found * np.exp(1j * along)), relative
+
+        return cls(frequency_Hz, phase, error, movement_rad, between)
 
     def falls_to(self, level: float, level_error: float = 0.0) -> Point | None:
         """Return the lowest frequency at which the values are down at a level; None if they stay above.
@@ -113,13 +143,8 @@ class ResponseCurve:
         low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
         start_Hz = low_Hz + (before - level) / (before - after) * (high_Hz - low_Hz)
         short, long = self._fits(start_Hz)
-        if short is long and short.bridges:
-            return self._between(at, level, level_error)
-        if short is long and not short.describes:
-            place, spread = self._cubic(start_Hz).zero(level, level_error)
-            if not math.isfinite(place):
-                return Point(start_Hz, math.inf)
-            return Point(start_Hz * (1.0 + place), start_Hz * spread)
+        if short is long and short.bridges and (found := self._between(at, level, level_error)):
+            return found
         place, standard = short.zero(level)
         other, _ = long.zero(level)
         if not math.isfinite(place):
@@ -130,86 +155,45 @@ class ResponseCurve:
         spread = math.hypot(standard, level_error / slope, changed, bent)
         return Point(start_Hz * (1.0 + place), start_Hz * spread)
 
-    def _cubic(self, frequency_Hz: float) -> LocalCubic:
-        """Return the cubic through the values nearest to a frequency, which no parabola follows."""
-        places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
-        near = np.argsort(np.abs(places), kind="stable")[:NEAREST]
-        return LocalCubic.through(places[near], self.values[near], self._weights[near], self._scatter)
-
-    def _between(self, at: int, level: float, level_error: float) -> Point:
-        """Return where the smooth values fall to a level before `at`, of few frequencies far apart."""
-        fine = np.linspace(math.log(self.frequency_Hz[at - 1] / self.frequency_Hz[at]), 0.0, _FINE)
-
-        def passing(curve: np.polynomial.Polynomial) -> float:
-            values = curve(fine) - level
-            below = int(np.argmax(values <= 0.0))
-            share = values[below - 1] / (values[below - 1] - values[below])
-            return float(fine[below - 1] + share * (fine[below] - fine[below - 1]))
-
-        place, *others = (passing(curve) for curve in self._through_neighbours(at))
-        slope = float(self.smooth[at - 1] - self.smooth[at]) / float(fine[-1] - fine[0])
-        error = math.hypot(level_error, float(np.max(self._smooth_error[at - 1 : at + 1]))) / slope
-        spread = math.hypot(error, self._left_out(place, others))
-        found_Hz = float(self.frequency_Hz[at]) * math.exp(place)
-        return Point(found_Hz, found_Hz * spread)
-
-    def _through_neighbours(self, at: int) -> list[np.polynomial.Polynomial]:
-        """Return the cubic through the smooth values at two frequencies before `at` and two from it on, the
-        quartics through one more on either side, the parabolas through the first and the last three of the
-        four, and the straight line through the middle two.
-
-        They are polynomials of the logarithm of frequency over that at `at`: in it a response is smooth over
-        frequencies that are far apart.
-        """
-        places = np.log(self.frequency_Hz / self.frequency_Hz[at])
-        wanted = ((-2, 2), (-3, 2), (-2, 3), (-2, 1), (-1, 2), (-1, 1))
-        ends = ((max(0, at + before), min(len(places), at + after)) for before, after in wanted)
-        return [
-            np.polynomial.Polynomial(
-                np.linalg.solve(np.vander(places[begin:end], increasing=True), self.smooth[begin:end])
-            )
-            for begin, end in ends
-        ]
-
-    @staticmethod
-    def _left_out(cubic: float, others: Sequence[float]) -> float:
-        """Return what the cubic leaves out, by what quartics, parabolas and the straight line differ from it;
-        of these a part, as the others may agree by chance. A quartic that would go beyond the frequencies is
-        the cubic again, and tells nothing: then the parabolas count."""
-        quartics, (left, right, straight) = others[:2], others[2:]
-        of_parabola = _OF_PARABOLA if cubic not in quartics else 1.0
-        return math.hypot(
-            *(each - cubic for each in quartics),
-            of_parabola * (left - cubic),
-            of_parabola * (right - cubic),
-            _OF_STRAIGHT * (straight - cubic),
-        )
+    def _between(self, at: int, level: float, level_error: float) -> Point | None:
+        """Return where the course between the values falls to a level before `at`; None where it does not."""
+        if self.between is None:
+            return None
+        low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
+        for _ in range(_FINER):
+            fine_Hz = np.linspace(low_Hz, high_Hz, _FINE)
+            values, errors = self.between(at, fine_Hz)
+            passed = np.flatnonzero((values[:-1] > level) & (values[1:] <= level))
+            if len(passed) == 0:
+                return None
+            before = int(passed[0])
+            low_Hz, high_Hz = fine_Hz[before : before + 2].tolist()
+        slope = float(values[before] - values[before + 1]) / (high_Hz - low_Hz)
+        found_Hz = low_Hz + float(values[before] - level) / slope
+        return Point(found_Hz, math.hypot(float(errors[before]), level_error) / slope)
 
     def at(self, frequency_Hz: float) -> tuple[float, float]:
         """Return the value at a frequency and its standard uncertainty."""
         short, long = self._fits(frequency_Hz)
-        if short is not long or not short.bridges:
-            if short is long and not short.describes:
-                return self._cubic(frequency_Hz).at_zero()
+        if short is not long or not short.bridges or self.between is None:
             return short.level, math.hypot(short.standard, long.level - short.level)
-        at, place = self._place_of(frequency_Hz)
-        value, *others = (float(curve(place)) for curve in self._through_neighbours(at))
-        error = float(np.max(self._smooth_error[at - 1 : at + 1]))
-        return value, math.hypot(error, self._left_out(value, others))
+        values, errors = self.between(self._after(frequency_Hz), np.array([frequency_Hz]))
+        return float(values[0]), float(errors[0])
 
     def slope_at(self, frequency_Hz: float) -> float:
         """Return the change of the values per Hz."""
         short, long = self._fits(frequency_Hz)
-        if short is not long or not short.bridges:
+        if short is not long or not short.bridges or self.between is None:
             return short.slope_at(0.0) / frequency_Hz
-        at, place = self._place_of(frequency_Hz)
-        return float(self._through_neighbours(at)[0].deriv()(place)) / frequency_Hz
+        at = self._after(frequency_Hz)
+        low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
+        near_Hz = frequency_Hz + (high_Hz - low_Hz) / _FINE * np.array([-0.5, 0.5])
+        values, _ = self.between(at, near_Hz)
+        return float(np.diff(values)[0] / np.diff(near_Hz)[0])
 
-    def _place_of(self, frequency_Hz: float) -> tuple[int, float]:
-        """Return the first index from a frequency on, at least 1, and the logarithm of the frequency over
-        the one there."""
-        at = min(max(1, int(np.searchsorted(self.frequency_Hz, frequency_Hz))), len(self.smooth) - 1)
-        return at, math.log(frequency_Hz / self.frequency_Hz[at])
+    def _after(self, frequency_Hz: float) -> int:
+        """Return the first index from a frequency on, at least 1."""
+        return min(max(1, int(np.searchsorted(self.frequency_Hz, frequency_Hz))), len(self.frequency_Hz) - 1)
 
     def resonance(self) -> tuple[float, float]:
         """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;
@@ -224,16 +208,36 @@ class ResponseCurve:
             return self.greatest()
         place = self.frequency_Hz**2
         near = np.abs(place / place[top] - 1.0) <= _REACH  # beyond it the inverse square grows without bound
-        if np.count_nonzero(near) <= 2 * _FEWEST:
-            return self.greatest()
         inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
         error = inverse * self.error[near] / _NEPER_OF_POWER_DB
         square = ResponseCurve(place[near], inverse, error, 1.0)
-        found = square.least_near(float(place[top]))
+        is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
+        if not is_followed and self.between is not None:
+            return self._greatest_between(top, self.between)
+        found = square.least_near(float(place[top])) if is_followed else None
         if found is None:
             return self.greatest()
         least, standard = found
         return float(self.smooth[top]) - 10.0 * math.log10(least), _NEPER_OF_POWER_DB * standard / least
+
+    def _is_followed(self, frequency_Hz: float) -> bool:
+        """Return whether a parabola follows the values about a frequency."""
+        short, long = self._fits(frequency_Hz)
+        return short is not long or not short.misses
+
+    def _greatest_between(self, top: int, course: Course) -> tuple[float, float]:
+        """Return the greatest value of the course between the neighbours of `top`, and its standard
+        uncertainty."""
+        found = []
+        for at in (top, top + 1):
+            low_Hz, high_Hz = self.frequency_Hz[at - 1 : at + 1].tolist()
+            for _ in range(_FINER):
+                fine_Hz = np.linspace(low_Hz, high_Hz, _FINE)
+                values, errors = course(at, fine_Hz)
+                place = int(np.argmax(values))
+                low_Hz, high_Hz = fine_Hz[[max(0, place - 1), min(place + 1, _FINE - 1)]].tolist()
+            found.append((float(values[place]), float(errors[place])))
+        return max(found)
 
     def least_near(self, start: float) -> tuple[float, float] | None:
         """Return the least value near a place, and its standard uncertainty; None where the values of a local
@@ -255,50 +259,12 @@ class ResponseCurve:
         return (least, standard) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
-        """Return the greatest value, less what the errors add to it, and its standard uncertainty.
-
-        Of a peak that few frequencies show, where its neighbours bend the other way, a third of its second
-        difference is part of that, less what noise makes of it: it may be a cusp.
-        """
+        """Return the greatest value, less what the errors add to it, and its standard uncertainty."""
         widths = self._widths
         random = np.random.default_rng(_SEED)
         drawn = random.standard_normal((_DRAWS, len(self.values))) * self.error
         errors = np.array([_running_mean(each, self._weights, widths) for each in drawn])
-        value, standard = NoisyCurve(self.smooth, errors).greatest()
-        top = int(np.argmax(self.smooth))
-        bends = np.diff(self.smooth[max(0, top - 2) : top + 3], 2)
-        if len(bends) < _AT_THE_TOP:
-            return value, standard
-        cusp = 0.0
-        if np.max(bends) >= 0.0:
-            # noise has raised the greatest, and the two beside it lie where theirs lets them
-            of_noise = 2.0 * max(0.0, float(self.smooth[top]) - value) + _OF_TWO * float(
-                self._smooth_error[top]
-            )
-            cusp = _OF_A_CUSP * max(0.0, abs(float(bends[1])) - of_noise)
-        return value, math.hypot(standard, cusp, self._of_resonance(top))
-
-    def _of_resonance(self, top: int) -> float:
-        """Return how much higher the peak of a resonance through the greatest value, in dB, and its
-        neighbours is than a parabola.
-
-        Of a resonance the inverse square of the gain is a parabola of frequency, to second order about its
-        peak; infinite where that falls to zero between them.
-        """
-        if not 0 < top < len(self.smooth) - 1:
-            return 0.0
-        near = slice(top - 1, top + 2)
-        places, values = self.frequency_Hz[near] / self.frequency_Hz[top] - 1.0, self.smooth[near]
-        inverse = 10.0 ** (-0.1 * (values - values[1]))
-        constant, slope, bend = np.polynomial.polynomial.polyfit(places, inverse, 2).tolist()
-        if not bend > 0.0:
-            return 0.0
-        least = constant - slope**2 / (4.0 * bend)
-        if not least > 0.0:
-            return math.inf
-        _, slope_dB, bend_dB = np.polynomial.polynomial.polyfit(places, values, 2).tolist()
-        above_dB = -(slope_dB**2) / (4.0 * bend_dB) if bend_dB < 0.0 else 0.0
-        return abs(-10.0 * math.log10(least) - above_dB)
+        return NoisyCurve(self.smooth, errors).greatest()
 
     @cached_property
     def smooth(self) -> Floats:

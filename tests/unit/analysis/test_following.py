@@ -296,15 +296,17 @@ def test_a_value_of_a_response_is_as_uncertain_as_its_points_scatter(more: float
 
 
 @pytest.mark.parametrize("apart_Hz", [1.0, 5.0, 8.0])
-def test_a_sharp_peak_between_two_frequencies_is_as_uncertain_as_they_are_apart(apart_Hz: float) -> None:
+def test_a_sharp_peak_between_two_frequencies_is_told_by_those_beside_it(apart_Hz: float) -> None:
     frequency_Hz = np.arange(20.0, 120.0, apart_Hz)
     for peak_Hz in 60.0 + apart_Hz * np.array([0.1, 0.4, 0.7]):
         x = frequency_Hz / peak_Hz
-        gain_dB = -10.0 * np.log10((1.0 - x**2) ** 2 + (0.2 * x) ** 2)
+        response = 1.0 / (1.0 + 0.2j * x - x**2)
         truth_dB = -10.0 * math.log10(0.2**2 * (1.0 - 0.1**2))
-        value, uncertain = ResponseCurve(frequency_Hz, gain_dB, np.full(len(x), 1e-3), 3.0).greatest()
+        value, uncertain = ResponseCurve.of_gain(
+            frequency_Hz, response, np.full(len(x), 1e-4), 3.0
+        ).resonance()
         assert abs(value - truth_dB) < 2.0 * uncertain
-        assert uncertain < 0.1 + 0.06 * apart_Hz**2
+        assert uncertain < 2e-3
 
 
 def test_a_subharmonic_moves_the_phase_up_and_down_and_is_not_followed() -> None:

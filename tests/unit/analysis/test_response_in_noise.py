@@ -171,8 +171,10 @@ def test_a_level_between_few_frequencies_is_as_uncertain_as_they_are_apart(dampi
     missed = []
     for corner_Hz in np.linspace(150.0, 250.0, 21):
         s = 1j * frequency_Hz / corner_Hz
-        phase = np.unwrap(np.angle(1.0 / (1.0 + 2.0 * damping * s + s**2)))
-        found = ResponseCurve(frequency_Hz, phase, np.full(12, 1e-4), 0.1).falls_to(-0.5 * math.pi)
+        response = 1.0 / (1.0 + 2.0 * damping * s + s**2)
+        found = ResponseCurve.of_phase(frequency_Hz, response, np.full(12, 1e-4), 0.1).falls_to(
+            -0.5 * math.pi
+        )
         assert found is not None
         assert found.frequency_Hz == pytest.approx(corner_Hz, rel=0.03)
         missed.append((found.frequency_Hz - corner_Hz) / found.standard_Hz)
