@@ -61,7 +61,7 @@ class LocalReciprocal:
         places, values = self.frequency_Hz[near], self.reciprocal[near]
         apart = places[:, np.newaxis] - places + np.eye(len(places))
         thirds = 1.0 / np.prod(apart, axis=1)  # divided difference
-        bend, by_chance = thirds @ values, np.linalg.norm(thirds * self.error[near] * np.abs(values))
+        bend, by_chance = thirds @ values, np.linalg.norm(thirds * self.error[near] * values)
         of_line = thirds @ (places * values)
         if len(places) < _FEWEST or abs(bend) < _CLEARLY * math.sqrt(2.0) * by_chance or of_line == 0.0:
             return np.asarray(weights @ self.reciprocal)

@@ -53,3 +53,24 @@ def test_no_drift_is_none() -> None:
         if not len(found.doubts):
             assert not np.any(found.course)
     assert not len(drift_between_rests(_input(1000), _input(1000)).doubts)
+
+
+def test_a_line_without_noise_is_taken_off_exactly() -> None:
+    x, line = _input(1000), 0.3 * (_TIME - 0.5)
+    found = drift_between_rests(x, x + line)
+    np.testing.assert_allclose(found.course, line, atol=1e-7)
+
+
+def test_rests_of_five_rows_tell_no_drift() -> None:
+    x = np.zeros(400)
+    x[5:-10] = np.sin(np.arange(385))
+    drift = np.linspace(0.0, 10.0, 400)
+    assert not len(drift_between_rests(x, x + drift).doubts)
+
+
+def test_an_input_that_hardly_moves_is_at_rest() -> None:
+    x, drift = _input(1000), 0.5 * _TIME**2 + 0.01 * np.random.default_rng(2).standard_normal(_COUNT)
+    creeping = x.copy()
+    creeping[500:1000] += 0.8e-3 * float(np.std(x))
+    still, moved = (drift_between_rests(each, x + drift) for each in (x, creeping))
+    np.testing.assert_array_equal(still.course, moved.course)

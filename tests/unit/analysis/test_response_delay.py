@@ -65,3 +65,23 @@ def test_a_dead_time_is_its_slope_and_three_frequencies_are_needed() -> None:
     assert found.value == pytest.approx(3e-3, abs=1e-12)
     assert "from 9.9 Hz to 99 Hz" in found.definition
     assert math.isnan(_delay(frequency_Hz, response, Point(2.0, 0.0)).value)
+
+
+@pytest.mark.parametrize("lines", [8, 60])
+def test_errors_of_the_phases_are_in_the_slope(lines: int) -> None:
+    random, missed = np.random.default_rng(1), []
+    frequency_Hz = np.geomspace(2.0, 80.0, lines)
+    for _ in range(200):
+        response = np.exp(-2j * math.pi * frequency_Hz * 1e-3 + 1j * _ERROR * random.standard_normal(lines))
+        found = _delay(frequency_Hz, response, Point(60.0, 0.0))
+        missed.append((found.value - 1e-3) / _standard(found))
+    assert 0.7 < math.sqrt(float(np.mean(np.square(missed)))) < 1.3
+
+
+def test_the_definition_says_where_the_line_begins_and_ends() -> None:
+    frequency_Hz = np.arange(10.0, 100.0)
+    response = _two_poles(frequency_Hz, 0.5)
+    ended = _delay(frequency_Hz, response, Point(60.0, 0.0)).definition
+    assert "up to bandwidth_3dB from the lowest frequency used, here from 10 Hz to 60 Hz" in ended
+    without = _delay(np.arange(1.0, 100.0), _two_poles(np.arange(1.0, 100.0), 0.5), None).definition
+    assert "up to the highest frequency used from a tenth of that, here from 9.9 Hz to 99 Hz" in without
