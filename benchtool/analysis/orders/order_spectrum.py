@@ -10,6 +10,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.orders.angle import (
     TURN,
@@ -18,7 +19,7 @@ from benchtool.analysis.orders.angle import (
     least_step_rad,
     unwrapped_angle,
 )
-from benchtool.analysis.orders.angle_orders import MOST_GROUPS, AngleFit, fit_orders
+from benchtool.analysis.orders.angle_orders import AngleFit, fit_orders
 from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
@@ -26,6 +27,7 @@ from benchtool.analysis.quantisation import counting_step, level_of
 from benchtool.analysis.repeated_steps import repeated_steps
 from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -47,10 +49,11 @@ _OF_OTHERS = 4.5  # standard uncertainties by resolution, resampling and wobble 
 class OrderSpectrum:
     """Peak `amplitude` of orders `order` (1, 2, 3 ... per mechanical revolution), both of shape (orders,).
 
-    `standard`, of `dof` degrees of freedom, is the standard uncertainty of each, from `uncertainty_source`;
-    `mean` is order 0. `stands_out_above`, of shape (orders,), is the least amplitude that noise and the other
-    errors do not explain. In both is what a wobble of the angle may have taken off each, `lost`, and put
-    `beside` the others, shape (orders,). All are in `unit`. `method` says in words how they were made.
+    `standard` is the standard uncertainty of each, from `uncertainty_source`: noise, of `dof` degrees of
+    freedom, by the standard deviation of Student's distribution, and `others`, which is not. `mean` is order
+    0. `stands_out_above`, of shape (orders,), is the least amplitude that noise and the other errors do not
+    explain. In `others` is what a wobble of the angle may have taken off each, `lost`, and put `beside` the
+    others, shape (orders,). All are in `unit`. `method` says in words how they were made.
     """
 
     signal: str
@@ -65,9 +68,21 @@ class OrderSpectrum:
     basis: Basis
     dof: NDArray[np.float64]
     stands_out_above: NDArray[np.float64]
+    others: NDArray[np.float64]
     lost: NDArray[np.float64]
     beside: NDArray[np.float64]
     step: float = 0.0
+
+    def uncertainty(self, order: int, factor: float = 1.0) -> Uncertainty:
+        """Return that of the amplitude of one order, times a factor."""
+        standard, others = float(self.standard[order - 1]), float(self.others[order - 1])
+        dof, source = float(self.dof[order - 1]), self.uncertainty_source
+        if not math.isfinite(standard):
+            return Uncertainty(standard, source, dof)
+        by_noise = factor * math.sqrt(max(0.0, standard**2 - others**2))
+        noise = Contribution("noise", "A", by_noise, dof, of_student=True)
+        rest = Contribution("resolution, resampling and wobble", "B", factor * others)
+        return combined((noise, rest), source) or Uncertainty(math.nan, source)
 
     @property
     def largest(self) -> NDArray[np.int64]:
@@ -82,6 +97,7 @@ class OrderSpectrum:
             self,
             standard=np.sqrt(np.maximum(0.0, self.standard**2 - less2)),
             stands_out_above=np.sqrt(np.maximum(0.0, self.stands_out_above**2 - _OF_OTHERS**2 * less2)),
+            others=np.sqrt(np.maximum(0.0, self.others**2 - less2)),
             lost=lost,
             beside=beside,
         )
@@ -227,7 +243,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.hypot(noise.in_phase, others),
+        standard=np.hypot(_of_student(noise.in_phase, noise.dof), others),
+        others=others,
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
@@ -288,19 +305,22 @@ def fitted_orders(
     basis = basis or Basis(len(values))
     wobble = wobble or Wobble()
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
-    others = np.sqrt(by_steps**2 + lost**2 + beside**2)
+    wanders2 = np.maximum(0.0, fit.standard**2 - fit.noise**2) / low**2
+    others = np.sqrt(by_steps**2 + wanders2 + lost**2 + beside**2)
+    dof = np.full(count, fit.noise_dof)
     return OrderSpectrum(
         signal=signal,
         unit=unit,
         order=order,
         amplitude=amplitude,
-        standard=np.hypot(fit.standard / low, others),
+        standard=np.hypot(_of_student(fit.noise / low, dof), others),
+        others=others,
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
         uncertainty_source=f"{fit.uncertainty_source}, and resolution",
-        dof=np.full(count, max(1.0, min(coverage.revolutions, MOST_GROUPS) - 1.0)),
-        stands_out_above=_explained(fit.noise / low, np.full(count, fit.noise_dof), others),
+        dof=dof,
+        stands_out_above=_explained(fit.noise / low, dof, others),
         lost=lost,
         beside=beside,
         step=counting_step(values),
@@ -324,6 +344,10 @@ def _repeated_steps(
     samples, turns = float(len(coverage.angle_rad)), max(1, round(coverage.revolutions))
     found = repeated_steps(fit.mean, lines, step, fit.left_rms**2, samples, turns, level=level)
     return np.zeros(len(lines)) if found is None else found.of_lines(lines)[0]
+
+
+def _of_student(experimental: NDArray[np.float64], dof: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(experimental * [students_deviation(float(each)) for each in dof])
 
 
 def _explained(

@@ -300,11 +300,10 @@ def _at(spectrum: OrderSpectrum, order: int) -> Basis:
 
 def _uncertainty(spectrum: OrderSpectrum, order: int) -> Uncertainty:
     """Return the standard uncertainty of an amplitude; wider where noise alone may have made it."""
-    standard, dof = float(spectrum.standard[order - 1]), float(spectrum.dof[order - 1])
     if _stands_out(spectrum, order):
-        return Uncertainty(standard, spectrum.uncertainty_source, dof)
-    source = f"{spectrum.uncertainty_source}, x {_BELOW_THAT:g} as noise alone may read that much"
-    return Uncertainty(_BELOW_THAT * standard, source, dof)
+        return spectrum.uncertainty(order)
+    found = spectrum.uncertainty(order, _BELOW_THAT)
+    return replace(found, source=f"{found.source}, x {_BELOW_THAT:g} as noise alone may read that much")
 
 
 def order_meaning(order: int, pole_pairs: int | None = None, slots: int | None = None) -> str:

@@ -21,6 +21,9 @@ def spectrum(count: int = 200) -> OrderSpectrum:
     return OrderSpectrum(
         *("torque", "Nm", order, amplitude, np.full(count, 5e-4), 0.65, 7.25),
         *("a fit", "scatter", Basis(), np.full(count, 9.0), np.full(count, 5e-3)),
+        others=np.zeros(count),
+        lost=np.zeros(count),
+        beside=np.zeros(count),
     )
 
 
@@ -62,6 +65,9 @@ def test_few_orders_are_drawn_too() -> None:
     short = OrderSpectrum(
         *(few.signal, few.unit, few.order[:3], few.amplitude[:3], few.standard[:3], 0.0, 2.0),
         *(few.method, few.uncertainty_source, few.basis, few.dof[:3], few.stands_out_above[:3]),
+        others=few.others[:3],
+        lost=few.lost[:3],
+        beside=few.beside[:3],
     )
     assert len(np.asarray(draw(panel(short)).axes[0].lines[0].get_xydata())) == 3
 
