@@ -50,24 +50,34 @@ class LocalReciprocal:
         apart = np.stack([self._weights(other, fine_Hz) - weights for other in others])
         square, by_chance = np.abs(apart @ self.reciprocal) ** 2, 2.0 * apart**2 @ spread**2
         left = np.mean(np.maximum(square - by_chance, 0.0), axis=0)
-        left = np.maximum(left, np.abs(self._over_a_line(cubic, fine_Hz, weights) - found) ** 2)
+        if (slope := self._line_below(cubic)) is not None:
+            over_a_line = (
+                weights @ (self.reciprocal * (1.0 + slope * self.frequency_Hz)) / (1.0 + slope * fine_Hz)
+            )
+            left = np.maximum(left, np.abs(over_a_line - found) ** 2)
         size = np.maximum(np.abs(found), np.finfo(np.float64).tiny)
         return found, np.sqrt(of_errors + 0.5 * left) / size
 
-    def _over_a_line(self, window: tuple[int, int], fine_Hz: Floats, weights: Floats) -> Complex:
-        """Return the parabola over a line through four reciprocals, which has a pole where the response has a
-        zero; the cubic through them, of these weights, where errors alone may make them bend as they do."""
-        near = slice(*window)
+    def _line_below(self, window: tuple[int, int]) -> complex | None:
+        """Return the slope of a line, 1 at zero: a parabola over it passes through four reciprocals. Its pole
+        is a zero of the response. None where errors alone may make them bend as they do, or where the cubic
+        through them comes nearer to the reciprocals beside them."""
+        near, beside = slice(*window), [at for at in (window[0] - 1, window[1]) if self._has(at)]
         places, values = self.frequency_Hz[near], self.reciprocal[near]
         apart = places[:, np.newaxis] - places + np.eye(len(places))
         thirds = 1.0 / np.prod(apart, axis=1)  # divided difference
         bend, by_chance = thirds @ values, np.linalg.norm(thirds * self.error[near] * values)
         of_line = thirds @ (places * values)
         if len(places) < _FEWEST or abs(bend) < _CLEARLY * math.sqrt(2.0) * by_chance or of_line == 0.0:
-            return np.asarray(weights @ self.reciprocal)
-        slope = -bend / of_line
-        line = 1.0 + slope * fine_Hz
-        return np.asarray(weights @ (self.reciprocal * (1.0 + slope * self.frequency_Hz)) / line)
+            return None
+        slope = complex(-bend / of_line)
+        weights, line = self._weights(window, self.frequency_Hz[beside]), 1.0 + slope * self.frequency_Hz
+        cubic, other = weights @ self.reciprocal, weights @ (self.reciprocal * line) / line[beside]
+        missed, other_missed = (np.sum(np.abs(each - self.reciprocal[beside])) for each in (cubic, other))
+        return None if len(beside) and missed < other_missed else slope
+
+    def _has(self, at: int) -> bool:
+        return 0 <= at < len(self.frequency_Hz)
 
     def _window(self, before: int, after: int, at: int) -> tuple[int, int]:
         return max(0, at + before), min(len(self.frequency_Hz), at + after)
