@@ -26,7 +26,9 @@ from benchtool.analysis.regimes import change_of_regime
 from benchtool.analysis.scatter import MeanError, error_of_series, is_memory_untold, mean_of_periods
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
+from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED
+from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.spectra.noise import PAIRS, converter_steps, noise_at_lines, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
@@ -156,7 +158,9 @@ def current_unbalance(
     if others:
         sampled = coherent_samples_of_all(others, block.sample_rate_Hz, track)
         known |= zip(others, sampled, strict=True)
-    parts = [known[name] for name in channels]
+    read = [known[name] for name in channels]
+    tones = _tones(read)
+    parts = [_without(*each) for each in zip(read, tones, strict=True)]
     first = parts[0]
     turn = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
     a = np.exp(2j * np.pi / 3.0)
@@ -166,7 +170,7 @@ def current_unbalance(
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
     sequences = [_Sequence(each, first.periods) for each in rotating]
-    steps = _of_steps(parts, columns)
+    steps = _of_steps(parts, columns, tones)
     positive = _component(sequences[0], steps, beside=sequences[1])
     beside = [_component(each, steps, sequences[0]) for each in sequences[1:]]
     components = [positive, *(_alike(each, positive) for each in beside)]
@@ -185,19 +189,42 @@ def current_unbalance(
     return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
 
 
-def _of_steps(parts: Sequence[CoherentSamples], columns: Sequence[NDArray[np.float64]]) -> float:
+def _tones(parts: Sequence[CoherentSamples]) -> list[Interharmonics | None]:
+    """Return the sinusoids between the harmonics of currents, of which incomplete cycles are in a mean and no
+    noise is; where the first has none the others, which add up to little with it, have none."""
+    found = [interharmonics(spectrum_of(parts[0]), len(parts[0].values))]
+    if found[0] is None:
+        return [None] * len(parts)
+    return found + [interharmonics(spectrum_of(each), len(each.values)) for each in parts[1:]]
+
+
+def _without(part: CoherentSamples, tones: Interharmonics | None) -> CoherentSamples:
+    place = np.arange(len(part.values)) / len(part.values)
+    return part if tones is None else without(part, tones, Course(place, place))
+
+
+def _of_steps(
+    parts: Sequence[CoherentSamples],
+    columns: Sequence[NDArray[np.float64]],
+    tones: Sequence[Interharmonics | None],
+) -> float:
     """Return the standard uncertainty of either part of a sequence component by the steps of a converter that
     are the same in every period: of three channels, each with its own, a third of their root sum of squares.
+
+    A tone of the amplitude a moves the signal from step to step, and leaves J_0(2 pi a / step) of the errors
+    (Widrow and Kollar, Quantization Noise, 2008, ch. 19), of which the rms is that of its crests over root 2.
     """
     square = 0.0
-    for part, samples in zip(parts, columns, strict=True):
+    for part, samples, beside in zip(parts, columns, tones, strict=True):
         step = counting_step(samples)
         if not step > 0.0:
             continue
         spectrum = spectrum_of(part)
         steps = converter_steps(spectrum, step, level=level_of(samples, step))
         along, power = repeated_quantisation(spectrum, steps)
-        square += max(float(along[0]) ** 2, 0.5 * float(power[0]))
+        turned = 2.0 * np.pi / step * np.abs([] if beside is None else beside.phasors)
+        left2 = float(np.prod(np.minimum(1.0, 1.0 / (np.pi * np.maximum(turned, 1e-9)))))
+        square += left2 * max(float(along[0]) ** 2, 0.5 * float(power[0]))
     return math.sqrt(square) / len(parts)
 
 

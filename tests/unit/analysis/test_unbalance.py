@@ -189,3 +189,19 @@ def test_few_periods_of_noise_state_what_they_scatter() -> None:
         assert positive.uncertainty is not None
         relative.append((positive.value - 5.0) / positive.uncertainty.standard)
     assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.5 by the scatter over periods
+
+
+def test_a_tone_between_the_harmonics_is_not_in_a_component() -> None:
+    random = np.random.default_rng(22)
+    theta = 2 * np.pi * np.arange(200 * 8 + 70) / 200
+    phases = {
+        name: 5.0 * np.cos(theta - turn)
+        + 0.05 * np.cos(1.37 * theta - turn + 0.4)
+        + 2e-3 * random.standard_normal(len(theta))
+        for name, turn in (("i_a", 0.0), ("i_b", 2 * np.pi / 3), ("i_c", -2 * np.pi / 3))
+    }
+    block = Block.from_arrays(10e3, dict.fromkeys(phases, "A"), **phases)
+    positive = current_unbalance(block, track_angle(np.mod(theta, 2 * np.pi), 1))[0]
+    assert positive.uncertainty is not None
+    assert positive.uncertainty.standard < 2e-4  # 6e-3 with the tone in it
+    assert positive.value == pytest.approx(5.0, abs=2.5 * positive.uncertainty.standard)
