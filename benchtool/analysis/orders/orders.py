@@ -175,15 +175,16 @@ def wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
     except AnalysisError:  # no steady speed
         return Wobble()
     deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
-    mean = deviation  # few revolutions do not show what repeats: then all of it may be the encoder's
+    mean = windowed = deviation  # few revolutions do not show what repeats: all of it may be the encoder's
     if coverage.revolutions >= _FEWEST_TO_REPEAT:
         # a course that does not repeat is no whole number of cycles, and leaks less under a Hann window
         window = 1.0 - np.cos(TURN * (np.arange(len(times)) + 0.5) / len(times))
-        mean, _ = sector_means(coverage, window * deviation, _SECTORS)
+        windowed = window * deviation
+        mean, _ = sector_means(coverage, windowed, _SECTORS)
     repeated = max(0.0, float(np.nanvar(mean)) - coverage.resolution_rad**2 / 12.0)
     # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
     noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
-    return Wobble(math.sqrt(repeated + noise), repeated_wobble_rad(coverage.angle_rad, deviation))
+    return Wobble(math.sqrt(repeated + noise), repeated_wobble_rad(coverage.angle_rad, windowed))
 
 
 def describe_orders(
