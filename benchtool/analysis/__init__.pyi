@@ -12,22 +12,7 @@ from .declaration import (
     Panel as Panel,
     Quantity as Quantity,
 )
-from .dynamics.bode import (
-    Bode as Bode,
-    analyze_response as analyze_response,
-)
-from .dynamics.estimated_response import FrequencyResponse as FrequencyResponse
-from .dynamics.frequency_response import frequency_response as frequency_response
-from .dynamics.step import (
-    StepResponse as StepResponse,
-    analyze_step as analyze_step,
-)
-from .flux_trajectory import flux_trajectory as flux_trajectory
-from .instruments import (
-    Instruments as Instruments,
-    Perturbed as Perturbed,
-    sensor_remarks as sensor_remarks,
-)
+from .flux.trajectory import flux_trajectory as flux_trajectory
 from .measurement import (
     Basis as Basis,
     Correction as Correction,
@@ -67,19 +52,13 @@ from .periods import (
     track_tone as track_tone,
 )
 from .plug_ins import guarded as guarded
-from .quantisation import resolution as resolution
-from .regimes import change_of_regime as change_of_regime
-from .residual import torque_residual as torque_residual
-from .ripple import (
-    Ripple as Ripple,
-    peak_to_peak_number as peak_to_peak_number,
-    record_basis as record_basis,
-    ripple as ripple,
-    ripple_numbers as ripple_numbers,
-    ripple_of_rows as ripple_of_rows,
+from .quantisation.resolution import resolution as resolution
+from .responses.bode import (
+    Bode as Bode,
+    analyze_response as analyze_response,
 )
-from .ripple_scatter import percentile_range as percentile_range
-from .scatter import error_of_record as error_of_record, error_of_series as error_of_series
+from .responses.estimated_response import FrequencyResponse as FrequencyResponse
+from .responses.frequency_response import frequency_response as frequency_response
 from .sensitivity import (
     SIGNED_AND_MEASURED_AGAIN as SIGNED_AND_MEASURED_AGAIN,
     Extremes as Extremes,
@@ -88,7 +67,12 @@ from .sensitivity import (
     Noise as Noise,
     Sensitivities as Sensitivities,
 )
-from .sensor_corrections import BANDWIDTH as BANDWIDTH
+from .sensors.corrections import BANDWIDTH as BANDWIDTH
+from .sensors.instruments import (
+    Instruments as Instruments,
+    Perturbed as Perturbed,
+    sensor_remarks as sensor_remarks,
+)
 from .spectra.current import (
     CurrentSpectrum as CurrentSpectrum,
     current_spectrum as current_spectrum,
@@ -130,10 +114,16 @@ from .spectra.spectrum import (
     spectrum_of as spectrum_of,
 )
 from .spectra.unbalance import current_unbalance as current_unbalance
+from .statistics.regimes import change_of_regime as change_of_regime
+from .statistics.scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .steady_state import (
     SteadyState as SteadyState,
     analyze_steady_state as analyze_steady_state,
     steady_state_of as steady_state_of,
+)
+from .steps.step import (
+    StepResponse as StepResponse,
+    analyze_step as analyze_step,
 )
 from .switching import (
     SWITCHING_STATES as SWITCHING_STATES,
@@ -142,7 +132,17 @@ from .switching import (
     switching_frequency as switching_frequency,
     switching_states as switching_states,
 )
-from .torque import (
+from .torque.residual import torque_residual as torque_residual
+from .torque.ripple import (
+    Ripple as Ripple,
+    peak_to_peak_number as peak_to_peak_number,
+    record_basis as record_basis,
+    ripple as ripple,
+    ripple_numbers as ripple_numbers,
+    ripple_of_rows as ripple_of_rows,
+)
+from .torque.ripple_scatter import percentile_range as percentile_range
+from .torque.torque import (
     torque_ripple as torque_ripple,
     transducer_torque as transducer_torque,
 )

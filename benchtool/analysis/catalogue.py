@@ -19,17 +19,17 @@ from benchtool.analysis.declaration import (
     Findings,
     Quantity,
 )
-from benchtool.analysis.dynamics.bode import FREQUENCY_RESPONSE
-from benchtool.analysis.dynamics.step import STEP
-from benchtool.analysis.flux_trajectory import FLUX_RIPPLE, FLUX_TRAJECTORY
+from benchtool.analysis.flux.trajectory import FLUX_RIPPLE, FLUX_TRAJECTORY
 from benchtool.analysis.orders.orders import SPEED_ORDERS, TORQUE_ORDERS
 from benchtool.analysis.plug_ins import GROUP, guarded, load, require_declared, require_distinct
-from benchtool.analysis.residual import RESIDUAL, TRANSDUCER_RESIDUAL
+from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE
 from benchtool.analysis.spectra.current import CURRENT_SPECTRUM
 from benchtool.analysis.spectra.lines import TORQUE_LINES
 from benchtool.analysis.spectra.unbalance import CURRENT_UNBALANCE
+from benchtool.analysis.steps.step import STEP
 from benchtool.analysis.switching import SWITCHING_FREQUENCY, SWITCHING_STATES
-from benchtool.analysis.torque import TORQUE_ERROR, TORQUE_RIPPLE, TRANSDUCER_TORQUE_RIPPLE
+from benchtool.analysis.torque.residual import RESIDUAL, TRANSDUCER_RESIDUAL
+from benchtool.analysis.torque.torque import TORQUE_ERROR, TORQUE_RIPPLE, TRANSDUCER_TORQUE_RIPPLE
 from benchtool.analysis.window import Window
 from benchtool.document import Section
 

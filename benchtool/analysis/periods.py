@@ -12,7 +12,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.quantisation import resolution, step_of_counts
+from benchtool.analysis.quantisation.resolution import resolution, step_of_counts
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 

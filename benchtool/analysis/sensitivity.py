@@ -3,7 +3,7 @@
 An analysis declares, with each number, the derivatives that follow from its definition: a peak-to-peak value
 scales with the gain and is independent of the offset, a ratio of two amplitudes of one channel is independent
 of both. Others depend on the waveform, and are found by measuring again
-(`benchtool.analysis.instruments.MeasureAgain`).
+(`benchtool.analysis.sensors.instruments.MeasureAgain`).
 """
 
 from __future__ import annotations

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.sensitivity import NO_SENSORS
+from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window

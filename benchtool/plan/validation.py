@@ -9,7 +9,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
-from benchtool.analysis.dynamics import FREQUENCY_RESPONSE
+from benchtool.analysis.responses import FREQUENCY_RESPONSE
 from benchtool.document import Path_, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
 from benchtool.plan.analyses import spelled

@@ -1,7 +1,8 @@
 """Repeated measurement of a recording with a perturbed sensor, for measurements without declared
 sensitivities.
 
-The numerical derivative of JCGM 100:2008, 5.1.3, note 2: `benchtool.analysis.instruments` asks for it.
+The numerical derivative of JCGM 100:2008, 5.1.3, note 2, which `benchtool.analysis.sensors.instruments` asks
+for.
 """
 
 from __future__ import annotations

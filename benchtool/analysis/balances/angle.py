@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.balances.space_vectors import Floats
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation.resolution import counting_step
 
 _ORDER: Final = 3
 _SMOOTHINGS: Final = 10.0 ** np.arange(1.0, 12.5, 0.5)

@@ -24,7 +24,7 @@ from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
 from benchtool.analysis.validity import clipping, require_unbroken

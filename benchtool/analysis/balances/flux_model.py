@@ -19,7 +19,7 @@ import numpy as np
 from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.pwm_period import Edges
 from benchtool.analysis.balances.space_vectors import AXES, Complex, Floats, space_vector
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.block import Block
 from benchtool.profile import Motor
 

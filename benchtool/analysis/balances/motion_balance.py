@@ -31,7 +31,7 @@ from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.quantisation import counting_step
+from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Contribution
 from benchtool.analysis.window import Window

@@ -23,8 +23,8 @@ from benchtool.analysis.orders.angle_orders import AngleFit, fit_orders
 from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.quantisation import counting_step, level_of
-from benchtool.analysis.repeated_steps import repeated_steps
+from benchtool.analysis.quantisation.repeated_steps import repeated_steps
+from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined

@@ -10,8 +10,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.scatter import neighbours_alike
-from benchtool.analysis.slow_swing import sinusoid_of, swing_basis
+from benchtool.analysis.statistics.scatter import neighbours_alike
+from benchtool.analysis.statistics.slow_swing import sinusoid_of, swing_basis
 
 Floats = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
+from benchtool.analysis.drawings import WAVEFORMS
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack, track_tone
-from benchtool.analysis.quantisation import level_of, resolution
-from benchtool.analysis.scatter import neighbours_alike
+from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import (
@@ -60,7 +60,7 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
-from benchtool.analysis.torque import WAVEFORMS
+from benchtool.analysis.statistics.scatter import neighbours_alike
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.scatter import MeanError
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
@@ -30,6 +29,7 @@ from benchtool.analysis.spectra.harmonics import (
     total_harmonic_distortion,
 )
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"

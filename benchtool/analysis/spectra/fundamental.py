@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
-from benchtool.analysis.regimes import STANDS_OUT, change_of_regime
-from benchtool.analysis.repeatability import wander_of_difference
-from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.spectra.continuation import continuation
 from benchtool.analysis.spectra.noise import (
@@ -26,6 +23,9 @@ from benchtool.analysis.spectra.noise import (
 )
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum, rows_of
+from benchtool.analysis.statistics.regimes import STANDS_OUT, change_of_regime
+from benchtool.analysis.statistics.repeatability import wander_of_difference
+from benchtool.analysis.statistics.scatter import MeanError, error_of_series
 from benchtool.analysis.uncertainty import Contribution, combined
 
 _HANN_FIT = math.sqrt(54.463)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.scatter import MeanError, error_of_series
 from benchtool.analysis.spectra.spectrum import CoherentSamples
+from benchtool.analysis.statistics.scatter import MeanError, error_of_series
 from benchtool.analysis.uncertainty import Contribution
 
 Kind = Literal["group", "subgroup"]

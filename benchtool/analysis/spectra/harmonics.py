@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, LineColumn, Table
-from benchtool.analysis.repeated_steps import RepeatedSteps
-from benchtool.analysis.scatter import TOO_SLOW, MeanError
+from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps
 from benchtool.analysis.spectra.modulation import (
     is_modulated_alike,
     noise_of_sum,
@@ -26,6 +25,7 @@ from benchtool.analysis.spectra.noise import (
     repeated_quantisation,
 )
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50

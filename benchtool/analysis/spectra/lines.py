@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
-from benchtool.analysis.quantisation import counting_step, level_of
-from benchtool.analysis.repeatability import wander_of_line
-from benchtool.analysis.repeated_steps import noise_beside, share_left
+from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
+from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.around_lines import (
     BESIDE,
@@ -27,6 +26,7 @@ from benchtool.analysis.spectra.around_lines import (
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
+from benchtool.analysis.statistics.repeatability import wander_of_line
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window

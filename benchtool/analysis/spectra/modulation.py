@@ -9,16 +9,16 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.scatter import (
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
+from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
+from benchtool.analysis.spectra.phase_following import wander
+from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.statistics.scatter import (
     MeanError,
     error_of_periods,
     error_of_series,
     is_memory_untold,
 )
-from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
-from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
-from benchtool.analysis.spectra.phase_following import wander
-from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 Floats = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
-from benchtool.analysis.repeated_steps import RepeatedSteps, repeated_steps
-from benchtool.analysis.scatter import MeanError
+from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, repeated_steps
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic

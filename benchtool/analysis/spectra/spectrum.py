@@ -11,13 +11,13 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.fast_lengths import next_fast_length, previous_fast_length
-from benchtool.analysis.orders.resampling import (
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectra.resampling import (
     HALF_WIDTH,
     USABLE_BAND,
     gain_error,
     interpolate_all,
 )
-from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.spectral_window import WindowName, spectral_window
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, read_only, require_rate

@@ -21,9 +21,7 @@ from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quant
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation import counting_step, level_of
-from benchtool.analysis.regimes import change_of_regime
-from benchtool.analysis.scatter import MeanError, error_of_series, is_memory_untold, mean_of_periods
+from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
@@ -35,6 +33,13 @@ from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     coherent_samples_of_all,
     spectrum_of,
+)
+from benchtool.analysis.statistics.regimes import change_of_regime
+from benchtool.analysis.statistics.scatter import (
+    MeanError,
+    error_of_series,
+    is_memory_untold,
+    mean_of_periods,
 )
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken

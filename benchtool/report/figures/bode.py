@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from benchtool.analysis.dynamics import Bode
+from benchtool.analysis.responses import Bode
 from benchtool.report.figures.style import (
     DASHES,
     GREY,

@@ -8,8 +8,8 @@ from typing import Any, Final
 from matplotlib.figure import Figure
 
 from benchtool.analysis import SWITCHING_STATES, Analysis, Drawing, Panel, catalogue, guarded
-from benchtool.analysis.dynamics import FREQUENCY_RESPONSE
 from benchtool.analysis.orders import SPEED_ORDERS, TORQUE_ORDERS
+from benchtool.analysis.responses import FREQUENCY_RESPONSE
 from benchtool.document import Section
 from benchtool.report.figures.bode import draw_bode
 from benchtool.report.figures.comparison import draw_spectra, draw_steady_traces, draw_torque_traces

@@ -18,8 +18,7 @@ import numpy as np
 
 from benchtool.block import Block
 from benchtool.profile import Motor
-
-from .example_capture import EXAMPLE_MOTOR
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
 
 T_S: Final = 1e-4
 U_DC: Final = 100.0

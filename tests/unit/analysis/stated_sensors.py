@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.analysis.instruments import Instruments
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.sensitivity import (
     MEASURED_AGAIN,
@@ -25,6 +24,7 @@ from benchtool.analysis.sensitivity import (
     Sensitivities,
     Sensitivity,
 )
+from benchtool.analysis.sensors.instruments import Instruments
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
 

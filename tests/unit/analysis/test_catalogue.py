@@ -22,9 +22,8 @@ from benchtool.plan.analyses import Analyses
 from benchtool.plan.operating_point import NAMES as REACHED
 from benchtool.report.figures.drawings import BY_HAND
 from benchtool.results.analyses import measure_all, planned
-
-from .example_capture import EXAMPLE_MOTOR, response_capture, steady_capture, step_capture
-from .excited_machine import excited_capture
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, response_capture, steady_capture, step_capture
+from tests.unit.analysis.excited_machine import excited_capture
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "measurements.md").read_text(encoding="utf-8")
 by_name = pytest.mark.parametrize("analysis", BUILT_IN, ids=lambda analysis: analysis.name)

@@ -11,8 +11,8 @@ import pytest
 
 from benchtool.analysis import Measurement
 from benchtool.analysis.catalogue import catalogue
-from benchtool.analysis.instruments import Instruments, Perturbed
 from benchtool.analysis.sensitivity import Component
+from benchtool.analysis.sensors.instruments import Instruments, Perturbed
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, ReferenceClock

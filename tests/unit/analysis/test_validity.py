@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.quantisation import resolution, step_of_counts
+from benchtool.analysis.quantisation.resolution import resolution, step_of_counts
 from benchtool.analysis.validity import standing
 
 SINE = np.cos(2.0 * np.pi * np.arange(20_000) / 500)

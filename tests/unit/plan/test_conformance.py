@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Contribution, Measurement, Uncertainty, combined
-from benchtool.analysis.scatter import error_of_series
+from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict
 from benchtool.plan.model import Plan

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.patches import Rectangle
 from scipy import signal
 
-from benchtool.analysis.dynamics.bode import Bode, analyze_response
+from benchtool.analysis.responses.bode import Bode, analyze_response
 from benchtool.analysis.switching import switching_states
 from benchtool.block import Block, Channel
 from benchtool.report.figures.bode import draw_bode

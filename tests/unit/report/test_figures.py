@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.catalogue import CORE
 from benchtool.analysis.declaration import Panel
-from benchtool.analysis.flux_trajectory import FLUX_TRAJECTORY
+from benchtool.analysis.flux.trajectory import FLUX_TRAJECTORY
 from benchtool.analysis.steady_state import steady_state_of
 from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel, Gap

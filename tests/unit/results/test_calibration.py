@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchtool.analysis import Measurement, Sensitivities, Uncertainty
-from benchtool.analysis.instruments import UNSTATED, Instruments
+from benchtool.analysis.sensors.instruments import UNSTATED, Instruments
 from benchtool.cli import app
 from benchtool.errors import AnalysisError
 from benchtool.plan.limits import Limit, Verdict

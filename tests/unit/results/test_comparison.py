@@ -14,7 +14,7 @@ from scipy import stats
 
 from benchtool.analysis import Correction, Measurement
 from benchtool.analysis.measurement import Basis, measurements_from_json, measurements_to_json
-from benchtool.analysis.scatter import error_of_series
+from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import (
     Contribution,
     InstrumentError,

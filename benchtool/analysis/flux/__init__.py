@@ -1,0 +1,1 @@
+"""The path of the stator flux in the plane."""

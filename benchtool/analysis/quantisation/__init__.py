@@ -1,0 +1,1 @@
+"""Steps of converters: how large they are, and which errors they make that no scatter shows."""

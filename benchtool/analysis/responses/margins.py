@@ -1,0 +1,164 @@
+"""Stability margins of a loop from the response of the controlled quantity to its reference.
+
+With unity feedback the closed loop is T = L / (1 + L), so that the open loop is L = T / (1 - T), and the
+sensitivity S = 1 / (1 + L) = 1 - T (Astroem and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels
+from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
+from benchtool.analysis.responses.response_curve import Point, ResponseCurve
+from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
+from benchtool.analysis.uncertainty import Uncertainty
+
+Floats = NDArray[np.float64]
+
+_LEAST = 1e-9  # of 1 - T: a loop that is perfect except for rounding
+_MOST_UNCERTAIN = 0.1  # of the sensitivity
+_SMALL_DB = 1.0
+_SMALL_RAD = 0.1
+_KNOWN = 4.0  # standard uncertainties of 1 - T: its angle is known to a quarter of a radian
+_CLEARLY = 2.0  # standard uncertainties
+_FEWEST = 5  # frequencies of an open loop
+_OF_OPEN_LOOP = {
+    "crossover": ("Hz", "lowest frequency at which the open loop T / (1 - T) has the gain 1"),
+    "phase_margin": ("deg", "180 degrees + phase of the open loop at crossover"),
+    "gain_margin": (
+        "dB",
+        "gain of the open loop below 1 at the lowest frequency where its phase is -180 degrees",
+    ),
+}
+_SOURCE = "random error of the response, propagated to the open loop"
+
+
+def margins(
+    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
+) -> Iterator[Measurement]:
+    """Yield the crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
+
+    `closed` is the response of the controlled quantity to its reference, shape (n,), a pure number, `error`
+    its standard uncertainty relative to it, along it and across it.
+
+    Below the crossover 1 - T is small, and where noise hides it the open loop has any phase: it is read from
+    the frequency on above which 1 - T is known.
+    """
+    sensitivity = 1.0 - closed
+    magnitude = np.maximum(np.abs(sensitivity), _LEAST)
+    unsure = _KNOWN * error * np.abs(closed)
+    is_open = magnitude - np.abs(closed) > unsure
+    before = int(np.argmax(is_open)) if np.any(is_open) else len(closed)
+    hidden = np.flatnonzero(magnitude[:before] < unsure[:before])
+    first = int(hidden[-1]) + 1 if len(hidden) else 0
+    if len(closed) - first >= _FEWEST:
+        yield from _of_open_loop(
+            frequency_Hz[first:],
+            closed[first:] / np.where(magnitude <= _LEAST, _LEAST, sensitivity)[first:],
+            (error / magnitude)[first:],  # dL / L = dT / (T (1 - T))
+            basis,
+        )
+    else:
+        reason = f"noise hides 1 - T up to {frequency_Hz[-1]:.4g} Hz: raise the stimulus, or record longer"
+        for name, (unit, text) in _OF_OPEN_LOOP.items():
+            yield Measurement.undefined(name, unit, text, reason, basis)
+    yield _sensitivity_peak(frequency_Hz, closed, error, basis)
+
+
+def _of_open_loop(
+    frequency_Hz: Floats, opened: NDArray[np.complex128], spread: Floats, basis: Basis
+) -> Iterator[Measurement]:
+    """Yield what is read from the open loop and its relative errors, all of shape (n,)."""
+    gain = ResponseCurve.of_gain(frequency_Hz, opened, spread, _SMALL_DB)
+    phase = ResponseCurve.of_phase(frequency_Hz, opened, spread, _SMALL_RAD)
+
+    unit, text = _OF_OPEN_LOOP["crossover"]
+    crossover = gain.falls_to(0.0)
+    reason = _why_not(crossover, frequency_Hz, "its gain stays above 1")
+    if crossover is None or reason:
+        yield Measurement.undefined("crossover", unit, text, reason, basis)
+        unit, text = _OF_OPEN_LOOP["phase_margin"]
+        yield Measurement.undefined("phase_margin", unit, text, reason, basis)
+    else:
+        uncertain = Uncertainty(crossover.standard_Hz, _SOURCE)
+        yield Measurement("crossover", crossover.frequency_Hz, unit, text, basis, uncertain)
+        angle, angle_error = phase.at(crossover.frequency_Hz)
+        along = phase.slope_at(crossover.frequency_Hz) * crossover.standard_Hz
+        unit, text = _OF_OPEN_LOOP["phase_margin"]
+        uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
+        margin = math.remainder(180.0 + math.degrees(angle), 360.0)
+        yield Measurement(
+            "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+        )
+
+    unit, text = _OF_OPEN_LOOP["gain_margin"]
+    turned = phase.falls_to(-math.pi)
+    reason = _why_not(turned, frequency_Hz, "its phase stays above -180 degrees")
+    if turned is None or reason:
+        yield Measurement.undefined("gain_margin", unit, text, reason, basis)
+    else:
+        level_dB, level_error = gain.at(turned.frequency_Hz)
+        along = gain.slope_at(turned.frequency_Hz) * turned.standard_Hz
+        uncertain = Uncertainty(math.hypot(level_error, along), _SOURCE)
+        yield Measurement(
+            "gain_margin", -level_dB, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+        )
+
+
+def _sensitivity_peak(
+    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
+) -> Measurement:
+    """Return the greatest sensitivity.
+
+    Far above the crossover every loop opens and S tends to 1, so that a greatest value below 1 is not that of
+    the loop but of the frequencies used. Nor is one from which S has not fallen clearly within these, unless
+    T is so small at the last of them that S, at most 1 + T, cannot be much greater above.
+    """
+    name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
+    reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error)
+
+    def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
+        found, relative = reciprocal.between(at, fine_Hz)
+        return _of_sensitivity(1.0 / found, relative)
+
+    curve = ResponseCurve(frequency_Hz, *_of_sensitivity(closed, error), _SMALL_DB, between)
+    peak_dB, peak_error_dB = curve.resonance()
+    peak, relative = 10.0 ** (peak_dB / 20.0), peak_error_dB / NEPER_DB
+    last_Hz = float(frequency_Hz[-1])
+    last_dB, last_error_dB = curve.at(last_Hz)
+    has_fallen = peak_dB - last_dB > _CLEARLY * math.hypot(peak_error_dB, last_error_dB)
+    largest_above = 1.0 + float(np.median(np.abs(closed[-_FEWEST:])))
+    reason = ""
+    if not math.isfinite(relative):
+        reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
+    elif not relative <= _MOST_UNCERTAIN:
+        reason = f"it is uncertain by {100.0 * relative:.2g} %: raise the stimulus"
+    elif peak < 1.0:
+        reason = f"it is {peak:.2g} up to {last_Hz:.4g} Hz and reaches 1 above that: play higher frequencies"
+    elif not has_fallen and largest_above > peak * (1.0 + relative):
+        reason = (
+            f"it has not clearly fallen from {peak:.4g} up to {last_Hz:.4g} Hz and may be up to "
+            f"{largest_above:.4g} above that: play higher frequencies"
+        )
+    if reason:
+        return Measurement.undefined(name, "", text, reason, basis)
+    return Measurement(name, peak, "", text, basis, Uncertainty(peak * relative, _SOURCE))
+
+
+def _of_sensitivity(closed: NDArray[np.complex128], error: Floats) -> tuple[Floats, Floats]:
+    """Return the magnitudes of 1 - T in dB and their standard uncertainties, by T and its relative errors."""
+    magnitude = np.maximum(np.abs(1.0 - closed), _LEAST)
+    return decibels(magnitude), NEPER_DB * error * np.abs(closed) / magnitude
+
+
+def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
+    """Return the reason why a crossing is undefined; empty if it is defined."""
+    if found is None:
+        return f"{otherwise} up to {frequency_Hz[-1]:.4g} Hz"
+    return found.undefined_because

@@ -1,0 +1,96 @@
+"""Corrections of numbers for the bandwidth of their sensors (JCGM 100:2008, 3.2.3, 3.2.4 and 6.3.1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from benchtool.analysis.measurement import Correction, Measurement
+from benchtool.analysis.sensors.lag import Estimate, Lag
+from benchtool.analysis.uncertainty import Contribution, InstrumentError, Uncertainty, coverage_factor
+from benchtool.profile import Sensor
+
+BANDWIDTH: Final = "bandwidth"
+"""`InstrumentError.effect` of what a sensor's lag takes off."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What the bandwidth of a sensor, or of the three of the phases, has done to a number.
+
+    `of` says whose and what is known of it, a guarantee or its response; `estimate` is the number as it was
+    before, `scatter` the uncertainty by the data of one that was measured as it was before.
+    """
+
+    of: str
+    estimate: Estimate
+    error: InstrumentError
+    is_guarantee: bool
+    scatter: Uncertainty | None = None
+
+    @classmethod
+    def of_sensors(
+        cls,
+        sensors: Mapping[str, Sensor],
+        lag: Lag,
+        estimate: Estimate,
+        scatter: Uncertainty | None = None,
+    ) -> Effect:
+        """By the sensors of channels; `lag` is what is known of their responses."""
+        names = ", ".join(bandwidth_of(channel, sensor) for channel, sensor in sensors.items())
+        identity = {
+            key: ", ".join(filter(None, (getattr(sensor, key) for sensor in sensors.values())))
+            for key in ("sensor", "serial_number", "certificate")
+        }
+        error = InstrumentError(BANDWIDTH, ", ".join(sensors), **identity)
+        text = f"bandwidth of {names}; {lag.text}"
+        return cls(text, estimate, error, lag.tolerance is None, scatter)
+
+
+def corrected(
+    read: Measurement, effects: Sequence[Effect], *, proportional: bool
+) -> tuple[Measurement, tuple[Contribution, ...]]:
+    """Return a number as it was before the sensors, and what is not known of that.
+
+    What scatters in a `proportional` number, an amplitude or a ratio of some, is enlarged as the number is.
+    Of one that a sensor may have taken almost whole the reading is left, without an uncertainty.
+    """
+    added = sum(each.estimate.value - read.value for each in effects)
+    lines = tuple(_contribution(each, read.value) for each in effects)
+    if not effects:
+        return read, ()
+    value, by_sensors = read.value + added, math.hypot(*(each.standard for each in lines))
+    names = ", ".join(each.of for each in effects)
+    if proportional and coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0:
+        why = f"the sensor may have changed it by as much as is left ({names})"
+        if any(each.is_guarantee for each in effects):
+            why += ": state bandwidth_tolerance_percent, if its response is known"
+        return without_uncertainty(read, why), ()
+    before = [each.scatter for each in effects if each.scatter is not None]
+    uncertain = max(before, key=lambda each: each.standard, default=read.uncertainty)
+    if uncertain is not None and proportional and read.value:
+        uncertain = uncertain.scaled(value / read.value)
+    correction = Correction(added, names) if added else None
+    return replace(read, value=value, uncertainty=uncertain, correction=correction), lines
+
+
+def without_uncertainty(read: Measurement, reason: str) -> Measurement:
+    """Return a number whose uncertainty is not known; one that had none keeps its own reason."""
+    if read.uncertainty is None:
+        return read
+    return replace(read, uncertainty=None, uncertainty_reason=reason)
+
+
+def bandwidth_of(channel: str, sensor: Sensor) -> str:
+    """Return the bandwidth and whose it is, in words."""
+    label = f" ({sensor.label})" if sensor.label else ""
+    return f"{sensor.bandwidth_Hz:g} Hz of {channel}{label}"
+
+
+def _contribution(effect: Effect, read: float) -> Contribution:
+    rises = effect.estimate.value >= read
+    return Contribution(
+        effect.of, "B", effect.estimate.standard, instrument=effect.error, sign=1 if rises else -1
+    )

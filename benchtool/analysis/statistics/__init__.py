@@ -1,0 +1,1 @@
+"""How much a number differs from record to record, by the record itself."""

@@ -1,0 +1,469 @@
+"""Standard uncertainty of means, from the record itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+
+from benchtool.analysis.distributions import fisher_above, students_deviation
+from benchtool.analysis.fast_lengths import next_fast_length
+from benchtool.analysis.statistics.lowest_frequencies import SlowNoise, slow_noise
+from benchtool.analysis.statistics.slow_swing import slow_swing
+from benchtool.analysis.uncertainty import Contribution
+
+_PARTS, _MOST_PARTS = 10, 64
+_FEWEST_VALUES = 3
+_BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
+_FEWEST_INDEPENDENT = 4.0  # values that a record must hold
+FEWEST_EXTREMES = 4
+"""Fewest values whose largest tell how it scatters."""
+
+TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
+"""Why a mean has no uncertainty."""
+
+BLOCKS = 4096
+"""Parts of a record that its slow course is looked at in, usually."""
+
+_LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
+_MOST_OF_NEXT = 30
+_CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
+_FEW_PARTS = 15.0  # degrees of freedom
+_MORE, _RISES = 0.25, 0.3  # by chance; octaves, towards zero frequency
+_FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
+_FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
+_ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
+_NOT_NOISE, _MAYBE_CORRELATED = 1e-4, 0.0  # by chance; standard deviations of a correlation
+_OF_ROOT = 1.5  # largest values, over the root of how many there are
+_FEW_MAXIMA, _OF_THEIR_OWN = 20, 0.6  # values, and of the deviation of all
+_ROUNDS, _MOST_CORRELATED = 4, 0.4
+_ROUNDING = 1e-12  # of the largest value
+_NEIGHBOURS = 2  # values that count as one by chance alone
+_GUMBEL = math.pi / math.sqrt(6.0)
+_EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
+_OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
+_DIFFERS = 3.0  # standard deviations of an index
+_FEWEST_OVER_TAIL = (
+    4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
+)
+
+
+@dataclass(frozen=True)
+class MeanError:
+    """Standard uncertainty of a mean, and its degrees of freedom; `standard` is nan where there is none.
+
+    It is the standard deviation of Student's distribution. Where `is_continued`, it is by the density at the
+    lowest frequencies of the record, continued to zero.
+    """
+
+    standard: float
+    dof: float
+    is_continued: bool = False
+
+    def line(self, name: str, factor: float = 1.0) -> Contribution:
+        """Return the line of a budget, `name`, in which the mean counts `factor` times."""
+        name = f"{name}, by its density at the lowest frequencies" if self.is_continued else name
+        return Contribution(name, "A", factor * self.standard, self.dof, of_student=True)
+
+
+def error_of_series(values: NDArray[np.float64]) -> MeanError:
+    """Return the error of the mean of values, shape (n,), one for each period; neighbours may be correlated.
+
+    The variance of the mean is tau s^2 / n: tau, from the autocorrelations summed over pairs of lags as long
+    as a pair is above zero (initial positive sequence: Geyer, Statistical Science 7 (1992), 3.3), is how many
+    values count as one, and n / tau - 1 are the degrees of freedom. Correlation below zero counts only where
+    it is more than chance. The scatter of few values is itself uncertain: the standard uncertainty is the
+    standard deviation of Student's distribution, sqrt(dof / (dof - 2)) times as much (JCGM 101:2008, 6.4.9).
+    """
+    count = len(values)
+    if count < _FEWEST_VALUES:
+        return MeanError(math.nan, math.nan)
+    deviation = values - np.mean(values)
+    padded = next_fast_length(2 * count)
+    power = np.abs(fft.rfft(deviation, padded)) ** 2
+    covariance = fft.irfft(power, padded)[:count] / count
+    if not covariance[0] > 0.0:
+        return MeanError(0.0, math.inf)
+    neighbours = float(covariance[1] / covariance[0])
+    tau = _counting_as_one(covariance)
+    if neighbours > -_BY_CHANCE / math.sqrt(count):
+        tau = max(tau, 1.0)
+    correlated = _in_deviations(neighbours, count)
+    if correlated > _CLEARLY:
+        tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
+        if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
+            return MeanError(math.nan, max(1.0, count / tau - 1.0))
+    # it is itself not known better than that
+    tau = min(max(tau, 2.0 / math.sqrt(count)), 0.5 * count)
+    dof = max(1.0, count / max(tau, 1.0) - 1.0)
+    # the deviations are from the mean of these values, and so too small by that mean's own variance
+    standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
+    return without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
+
+
+def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64]) -> bool:
+    """Return whether values, shape (n,), one for each of a few periods, wander for a while that these do not
+    tell.
+
+    They deviate by more than a thousandth, and more than others that noise moves as much, `like_noise`, of
+    shape (n,); they are fewer than 32; and neighbours may be correlated. Those of which the correlation shows
+    are not the ones that err most: a memory as long as the record is in its mean, and hardly in its scatter.
+    """
+    freedom, middle = len(values) - 1, abs(float(np.mean(values)))
+    if not 2 <= freedom < _ENOUGH_OF_A_MEMORY or not float(np.std(values)) > _MATTERS * middle:
+        return False
+    noise = float(np.var(like_noise))
+    if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
+        return False
+    return neighbours_alike(values) > _MAYBE_CORRELATED
+
+
+def neighbours_alike(values: NDArray[np.float64]) -> float:
+    """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
+    independent ones, about their mean (von Neumann, 1941)."""
+    count, deviation = len(values), values - np.mean(values)
+    square = float(deviation @ deviation)
+    correlation = float(deviation[1:] @ deviation[:-1]) / square if square > 0.0 else 0.0
+    return _in_deviations(correlation, count)
+
+
+def _in_deviations(correlation: float, count: int) -> float:
+    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
+    return (correlation + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
+
+
+def _counting_as_one(covariance: NDArray[np.float64]) -> float:
+    """Return how many values count as one, by the initial positive sequence."""
+    count = len(covariance)
+    pairs = covariance[: count - count % 2].reshape(-1, 2).sum(axis=1) / covariance[0]
+    ended = np.flatnonzero(pairs <= 0.0)
+    last = int(ended[0]) if len(ended) else len(pairs)
+    return 2.0 * float(np.sum(np.minimum.accumulate(pairs[:last]))) - 1.0
+
+
+def _of_a_memory(neighbours: float, count: int) -> float:
+    """Return how many values of a Gauss-Markov sequence count as one, by the correlation r of neighbours,
+    less its bias (1 + 3 r) / n (Kendall, Biometrika 41 (1954) 403)."""
+    memory = min(neighbours + (1.0 + 3.0 * neighbours) / count, 1.0 - 1.0 / count)
+    return (1.0 + memory) / (1.0 - memory)
+
+
+def _without_bias(covariance: NDArray[np.float64], tau: float) -> float:
+    """Return how many values count as one, with the covariances about the mean of all records: about that of
+    the values themselves they are smaller by its variance."""
+    count = len(covariance)
+    share = 1.0 - np.arange(count) / count
+    for _ in range(_ROUNDS):
+        within = min(tau, _MOST_CORRELATED * count)
+        of_mean = covariance[0] * within / (count - within)
+        tau = max(tau, _counting_as_one(covariance + of_mean * share))
+    return tau
+
+
+def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError | None = None) -> MeanError:
+    """Return the error of the root mean square `root` of squares, shape (n,), one for each period, whose mean
+    has the error `of_mean`, by default that of a series.
+
+    A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
+    square two standard uncertainties above.
+    """
+    error = of_mean or error_of_series(squares)
+    if not root > 0.0:
+        return replace(error, standard=0.0 * error.standard)
+    standard = error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2)
+    return replace(error, standard=standard)
+
+
+def error_of_record(samples: NDArray[np.float64]) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
+    by the lowest frequencies where these hold much less."""
+    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+
+
+def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:
+    """Return the mean of values, shape (n,), one for each period, and its error: of those that swing slowly
+    the mean about the swing, and the error by what is left of it."""
+    swing = slow_swing(values)
+    if swing is None:
+        return float(np.mean(values)), error_of_periods(values)
+    error = error_of_periods(swing.rest)
+    return swing.mean, replace(error, standard=swing.of_mean * error.standard)
+
+
+def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMORY) -> MeanError:
+    """Return the error of the mean of values, shape (n,), one for each period, with a memory of some.
+
+    That of a series or, where so few of them are independent that their correlation is hardly known, that by
+    their density at the lowest frequencies, continued, if it is larger. To refuse the series whose memory
+    shows would leave those in which it does not, whose errors are the larger ones: it is nan only of fewer
+    than `least` values.
+    """
+    error = error_of_series(values)
+    is_known = math.isfinite(error.standard)
+    if (is_known and error.dof > _FEW_INDEPENDENT) or (not is_known and len(values) < least):
+        return error
+    slow = slow_noise(values)
+    if slow is None or (is_known and slow.standard <= error.standard):
+        return error
+    return MeanError(slow.standard, slow.dof, is_continued=True)
+
+
+def at_lowest_frequencies(
+    samples: NDArray[np.float64],
+    by_parts: MeanError,
+    periods: int = 0,
+    length: float | None = None,
+    *,
+    pooled: bool = False,
+    may_fall: bool = False,
+) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), at equal times: that by parts of them, less what
+    the parts cut out of oscillations, or that by noise whose density rises towards zero frequency.
+
+    The variance of a mean of n is the density at zero frequency over n. Parts that are no whole periods of a
+    ripple differ by it, and the mean of all does not: then the density at the lowest five frequencies of the
+    record is far below what the parts say, by a fifth once in two hundred records by chance. Where the
+    density rises below the lowest frequency of the record (`slow_noise`) and gives clearly more than the
+    parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
+
+    `periods` are the whole periods that the samples hold of what repeats, up to `length` of them, by which
+    the last may be more than a row. The scatter of few parts is `pooled` with the density where both agree.
+    Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero frequency
+    counts by its probability.
+    """
+    if not math.isfinite(by_parts.standard):
+        parts = means_of_parts(samples)
+        if not len(parts):
+            return by_parts
+        by_parts = error_of_series(parts)
+    values = means_of_blocks(samples, periods, length=length)
+    by_parts = without_oscillations(values, by_parts)
+    slow = slow_noise(values, periods)
+    error = _of_density(values, by_parts, slow, periods, pooled=pooled)
+    if slow is None or not may_fall or not math.isfinite(error.standard):
+        return error
+    falling2 = slow.of_falling**2
+    if not falling2 < error.standard**2:
+        return error
+    standard = math.sqrt(slow.falls * falling2 + (1.0 - slow.falls) * error.standard**2)
+    return replace(error, standard=standard)
+
+
+def _of_density(
+    values: NDArray[np.float64],
+    by_parts: MeanError,
+    slow: SlowNoise | None,
+    periods: int,
+    *,
+    pooled: bool,
+) -> MeanError:
+    """Return that of a density that does not fall towards zero frequency."""
+    # the scatter of few parts is itself so uncertain that it does not speak against more
+    clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
+    if slow is None or slow.standard < clearly * by_parts.standard:
+        return _of_both(by_parts, slow) if slow is not None and pooled else by_parts
+    if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
+        return by_parts
+    if (lowest := _where_none_rises(values, periods)) is not None:
+        return max(by_parts, lowest, key=lambda each: each.standard)
+    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, is_continued=True)
+
+
+def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
+    """Return the error by the scatter of few periods and by the density at the lowest frequencies, pooled
+    where that does not rise and the scatter is not more: far more values tell the density than there are
+    periods."""
+    if by_parts.dof > _FEW_PARTS or slow.rise > _RISES:
+        return by_parts
+    own2, of_density2 = (by_parts.standard / students_deviation(by_parts.dof)) ** 2, slow.standard**2
+    dof = 2.0 * _LOWEST
+    if not of_density2 > 0.0 or fisher_above(by_parts.dof, dof, own2 / of_density2) < _MORE:
+        return by_parts
+    both = by_parts.dof + dof
+    pooled2 = (by_parts.dof * own2 + dof * of_density2) / both
+    return MeanError(math.sqrt(pooled2) * students_deviation(both), both)
+
+
+def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:
+    """Return the error of the mean by the five lowest frequencies of values, shape (n,), where the next
+    twenty-five, below the first harmonic of `periods`, have more; None where they do not.
+
+    A density that falls towards zero frequency, as beside a ripple that scatters, is not continued upwards.
+    """
+    last = min(_MOST_OF_NEXT, periods - 1 if periods else _MOST_OF_NEXT)
+    if last < _FEWEST_OF_LOWEST * _LOWEST or len(values) < 2 * last:
+        return None
+    bins = fft.rfft(values - np.mean(values))[1 : last + 1] / len(values)
+    power = bins.real**2 + bins.imag**2
+    if float(np.mean(power[:_LOWEST])) > float(np.mean(power[_LOWEST:])):
+        return None
+    dof = 2.0 * _LOWEST
+    return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
+
+
+def means_of_blocks(
+    samples: NDArray[np.float64], periods: int, blocks: int = BLOCKS, length: float | None = None
+) -> NDArray[np.float64]:
+    """Return the means of up to so many equal blocks of samples, shape (n,), all of which count, or all of
+    that `length`: at the edges of blocks a part of a sample.
+
+    Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
+    """
+    count = len(samples)
+    if 0 < periods <= blocks:
+        blocks -= blocks % periods
+    if count <= blocks:
+        return samples
+    length = float(count) if length is None else length
+    size = length / blocks
+    edges = size * np.arange(1, blocks)
+    rows = edges.astype(np.int64)
+    within = np.add.reduceat(samples, np.concatenate([[0], rows]))
+    within[-1] -= (count - length) * samples[-1]
+    moved = (edges - rows) * samples[rows]  # from the block after the edge to the one before it
+    within[:-1] += moved
+    within[1:] -= moved
+    return np.asarray(within / size)
+
+
+def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:
+    """Return the error of the mean by the lowest frequencies of values, shape (n,), where it is clearly
+    less."""
+    if len(values) < _FEWEST_OF_LOWEST * _LOWEST or not by_parts.standard > 0.0:
+        return by_parts
+    bins = fft.rfft(values - np.mean(values))[1 : _LOWEST + 1] / len(values)
+    standard = math.sqrt(float(np.mean(bins.real**2 + bins.imag**2)))
+    dof = 2.0 * _LOWEST
+    if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
+        return by_parts
+    return MeanError(standard * students_deviation(dof), dof)
+
+
+def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the means of up to 64 equal parts of samples, shape (n,); none of fewer than 20 samples."""
+    parts = min(_MOST_PARTS, len(samples) // 2)
+    if parts < _PARTS:
+        return np.empty(0)
+    size = len(samples) // parts
+    return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
+
+
+def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
+    """Return standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
+
+    Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
+    distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index `tail`
+    that `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's. Of correlated
+    values few maxima are left, whose top says little: their own deviation, or that above the median where it
+    is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
+    deviation of all are the least.
+    """
+    if len(values) < FEWEST_EXTREMES:
+        return math.nan
+    # the largest of as many neighbours as are correlated counts as one
+    apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
+    least = 0.0
+    if 1 < apart <= len(values) // FEWEST_EXTREMES:
+        values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
+        if apart > _NEIGHBOURS:
+            least = min(float(np.std(values, ddof=1)), _above_median(values))
+    count = len(values)
+    # fewer are low by chance where the largest is, and its error then is many times what they say
+    beyond = max(FEWEST_EXTREMES - 1, round(_OF_ROOT * math.sqrt(count)))
+    if count <= _FEW_MAXIMA:
+        least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
+    top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
+    excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
+    return max(least, _of_extreme(tail, beyond) * excess)
+
+
+def _above_median(values: NDArray[np.float64]) -> float:
+    """Return the root mean square of how far values, shape (n,), are above their median: the largest does not
+    scatter by what is below."""
+    above = values - np.median(values)
+    above = above[above > 0.0]
+    return float(np.sqrt(np.sum(above**2) / max(1.0, len(values) // 2 - 0.5))) if len(above) else 0.0
+
+
+@cache
+def _of_gumbel(count: int, beyond: int) -> float:
+    """Return the mean excess of the `beyond` largest of `count` values over the next, on average, of Gumbel's
+    distribution of scale 1, by its quantiles at (i - 1/2) / n: above few values its tail has not begun."""
+    share = (np.arange(count - beyond - 1, count) + 0.5) / count
+    places = -np.log(-np.log(share))
+    return float(np.mean(places[1:]) - places[0])
+
+
+def _of_extreme(tail: float, beyond: int) -> float:
+    """Return the standard deviation of the largest of `beyond` excesses on average, over their mean.
+
+    Of generalised Pareto excesses of scale s and index x the mean is s / (1 - x), the largest of n behaves as
+    s ((n / e)^x - 1) / x with e exponential.
+    """
+    tail = min(tail, _HEAVIEST)
+    if tail <= _EXPONENTIAL:
+        return _GUMBEL
+    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / tail
+    return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
+
+
+def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> float:
+    """Return the index of the tails of deviations about zero, shape (n,): above 0 for power laws, 0 for
+    exponential tails and for lighter ones, and where the values are too few to tell.
+
+    The moment estimator over the largest of the magnitudes, one in `of_tail` (Dekkers, Einmahl and de Haan,
+    Ann. Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
+    deviation, with that added: a tail that is found too light gives an extreme that is far too certain. A few
+    that are far larger than all others are a tail of their own: where an octave of the largest or more has
+    clearly less, half as many are taken, and so on (Drees and Kaufmann, Stoch. Process. Appl. 75 (1998) 149).
+    """
+    top = min(len(deviations) // of_tail, _MOST_OF_TAIL)
+    if top < _FEWEST_OF_TAIL:
+        return 0.0
+    size = np.abs(deviations)
+    tops = [top >> octave for octave in range(int(math.log2(top / _FEWEST_OF_TAIL)) + 1)]
+    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
+    found = [_moment_estimate(largest, each) for each in tops]
+    index, standard = next(each for number, each in enumerate(found) if _is_of_all(each, found[number + 1 :]))
+    return index + standard if index > standard else 0.0
+
+
+def _is_of_all(found: tuple[float, float], further: list[tuple[float, float]]) -> bool:
+    """Return whether an index and its standard deviation are not clearly above those further out."""
+    index, standard = found
+    # of nested samples, the variance of a difference is the difference of variances
+    return all(index - of <= _DIFFERS * math.sqrt(max(0.0, u**2 - standard**2)) for of, u in further)
+
+
+def tail_index_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> float:
+    """Return the index of the tails of deviations about zero, shape (n,), that are known to be heavier than
+    normal ones, by their kurtosis say.
+
+    That of exponential tails is then as little known as that of a power law: what the moment estimator gives,
+    at least 0, and half its standard deviation, over the largest twenty at least.
+    """
+    top = min(max(len(deviations) // of_tail, _FEWEST_OF_TAIL), _MOST_OF_TAIL)
+    if len(deviations) <= _FEWEST_OVER_TAIL * top:
+        return 0.0
+    index, standard = _moment_estimate(np.abs(deviations), top)
+    return max(0.0, index) + 0.5 * standard
+
+
+def _moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:
+    """Return the index of the tail of magnitudes, shape (n,), over so many of the largest, and its standard
+    deviation; 0 and 0 where these show none."""
+    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
+    least = float(np.min(largest))
+    if not least > 0.0:
+        return 0.0, 0.0
+    logs = np.log(largest / least)
+    first, second = float(np.sum(logs)) / top, float(np.sum(logs**2)) / top
+    if not second > 0.0 or first**2 >= second:
+        return 0.0, 0.0
+    index = first + 1.0 - 0.5 / (1.0 - first**2 / second)
+    return index, math.sqrt((1.0 + index**2) / top)

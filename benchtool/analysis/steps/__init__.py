@@ -1,0 +1,1 @@
+"""Steps: times, excursions and plateaus of an answer, in noise."""

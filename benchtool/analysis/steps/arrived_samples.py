@@ -1,0 +1,374 @@
+"""Uncertainty of the mean, the extremes and the rms of samples from where a signal has arrived.
+
+There it has come near its level and is still on its way. That course is the same in every record and no
+scatter: what is uncertain is the noise about it, the step of a converter, and in which row the samples begin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.statistics.clicks import clicks_apart
+from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
+from benchtool.analysis.statistics.scatter import (
+    error_of_record,
+    error_of_series,
+    scatter_of_largest,
+    tail_index,
+    tail_index_of_heavy,
+)
+from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve, left_of_steps
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+
+Floats = NDArray[np.float64]
+Side = Callable[[Floats], Floats]
+"""From where the greatest of values is looked for: as they are, from below, or by their magnitude."""
+
+_AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
+_FEWEST_SAMPLES = 20  # whose scatter says something
+_FEWEST_MAXIMA = 4
+_SEED, _DRAWS, _FEWEST_DRAWS = 20_261_123, 80, 20
+_MOST_VALUES = 1 << 22  # of all draws together, 32 MiB
+_FAR = 3.0  # standard deviations by which a value may be greater
+_STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
+_OF_TAIL = 40  # one sample in so many is of the tail
+_UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
+_OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
+_PLACES = 32  # in which an instant may be, each as likely
+_OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
+_TIMES = "times of the samples, which scatter"
+_SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
+
+
+LITTLE = 0.1
+"""Of the noise: a tail of which less is left is not seen in it."""
+
+
+@dataclass(frozen=True)
+class ArrivedSamples:
+    """Of `samples` those from row `first` on, `values` of shape (n,), and their `course`, to which noise is
+    added: the smooth curve while they are on their way, and their mean at rest, of which there are the last
+    `at_rest`.
+
+    `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
+    uncertainty of the mean. Of shape (n,) are `of_course`, the standard deviation of what noise has left in
+    the course, `of_rest`, how much of the noise that leaves about it, and `of_times`, the standard deviation
+    of each value because its time is not known. `rows`, shape (rows,), are those in which they may as well
+    begin, moved by noise or not, and `shares` how likely each is.
+    """
+
+    samples: Floats
+    first: int
+    course: Floats
+    of_course: Floats
+    of_rest: Floats
+    of_times: Floats
+    rows: NDArray[np.int64]
+    is_moved_by_noise: bool
+    shares: Floats
+    at_rest: int
+    noise: Noise
+    step: float
+    left: float
+
+    @classmethod
+    def of(
+        cls,
+        samples: Floats,
+        curve: NoisyCurve,
+        begin: Instant,
+        band: float,
+        noise: Noise,
+        step: float,
+        event: int = 0,
+    ) -> ArrivedSamples:
+        """Return those of samples, shape (n,), from the instant `begin` on, after an event in some row.
+
+        They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
+        these are enough, their noise stands for `noise`, that of samples at rest elsewhere. `step` is that of
+        a converter, 0 without one.
+        """
+        end = len(samples)
+        first = min(math.ceil(begin.place), end)
+        rest = _rest(curve.values, first, band, noise.rms, event)
+        course = curve.values.copy()
+        if end - rest < _FEWEST_SAMPLES:
+            rest = end
+        else:
+            course[rest:] = np.mean(samples[rest:])
+            noise = Noise.of(samples[rest:])
+        of_course, of_rest = _in_course(curve.errors[:, first:end], noise.rms, begin)
+        of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
+        of_times = np.zeros(end)
+        of_times[:rest] = curve.time_scatter * _slopes(curve.values, curve.time_scatter)[:rest]
+        places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
+        rows, counts = np.unique(places, return_counts=True)
+        return cls(
+            samples=samples,
+            first=first,
+            course=course[first:],
+            of_course=of_course,
+            of_rest=of_rest,
+            of_times=of_times[first:],
+            rows=rows,
+            is_moved_by_noise=len(begin.drawn) > 0,
+            shares=counts / len(places),
+            at_rest=end - rest,
+            noise=noise,
+            step=step,
+            left=left_of_steps(noise.rms, step),
+        )
+
+    @property
+    def values(self) -> Floats:
+        """Samples from the first row on, shape (n,)."""
+        return self.samples[self.first :]
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the values."""
+        return _rms(self.values)
+
+    def of_mean(self) -> Uncertainty | None:
+        """Return the uncertainty of the mean."""
+        of_times = float(np.sqrt(np.sum(self.of_times**2))) / len(self.values)
+        noise = [self._of_mean(), Contribution(_TIMES, "A", of_times)]
+        return _combined(noise, self._of_rows(self.rows, lambda each: float(np.mean(each))), self.left)
+
+    def of_greatest(self, side: Side = np.positive) -> Uncertainty | None:
+        """Return the scatter of the greatest of the values, seen from a side, over records like this one."""
+        name = "distribution of the extremes of such samples"
+        noise = [
+            Contribution(name, "A", self._scatter_of_greatest(side)),
+            self._of_mean(),
+            Contribution(_TIMES, "A", self._of_greatest_in_time(side)),
+        ]
+        # noise that moves the instant moves the samples there as much, to the level that it is defined by
+        rows = np.clip(self.rows, self.first - 1, self.first + 1) if self.is_moved_by_noise else self.rows
+        begun = self._of_rows(rows, lambda each: float(np.max(side(each))))
+        return _combined(noise, begun, _UNIFORM * self.step)
+
+    def of_least(self) -> Uncertainty | None:
+        """Return the scatter of the least value over records like this one."""
+        return self.of_greatest(np.negative)
+
+    def of_magnitude(self) -> Uncertainty | None:
+        """Return the scatter of the greatest magnitude over records like this one."""
+        return self.of_greatest(np.abs)
+
+    def of_rms(self) -> Uncertainty | None:
+        """Return the uncertainty of the root mean square."""
+        rms = self.rms
+        if not rms > 0.0:
+            return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
+        on_the_way = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
+        noise = [
+            self._of_power(rms),
+            Contribution("noise of the samples on their way", "A", self.noise.of_sum(on_the_way)),
+            Contribution(_TIMES, "A", self._of_times(rms)),
+        ]
+        if self._is_heavy:
+            noise.append(Contribution("one sample far from the others, or none", "A", self._of_one_far(rms)))
+        # the steps add their own power, and move all samples on one level together
+        power = _OF_SQUARE * self.step**2 / (2.0 * rms)
+        steps = math.hypot(power, float(np.mean(self.values)) / rms * self.left)
+        return _combined(noise, self._of_rows(self.rows, _rms), min(steps, _UNIFORM * self.step))
+
+    def _of_mean(self) -> Contribution:
+        if not self.at_rest:
+            return Contribution("noise of the samples", "A", self.noise.of_mean(len(self.values)))
+        name, settled = "scatter over parts of the samples, and their correlation", self._settled
+        error = error_of_record(settled)
+        if math.isfinite(error.standard):
+            return error.line(name, self._share)
+        name = "scatter of the samples, too few of which are independent for that of a mean"
+        return Contribution(name, "A", float(np.std(settled)))
+
+    def _of_power(self, rms: float) -> Contribution:
+        name = "scatter of their squares over parts of the samples"
+        if not self.at_rest:
+            return Contribution(name, "A", self.noise.of_mean_square(len(self.values)) / (2.0 * rms))
+        squares = self._settled**2
+        error = error_of_record(squares)
+        standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
+        return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
+
+    def _scatter_of_greatest(self, side: Side) -> float:
+        again = side(self._drawn_again)
+        tops = np.argmax(again, axis=1)
+        greatest = again[np.arange(len(again)), tops]
+        course = side(self.course)
+        deviations = side(self.values) - course
+        # where the largest deviation would make it the greatest, as that mostly is
+        open_to = course + np.max(deviations) >= np.median(greatest)
+        on_a_level = self._of_level(deviations[open_to], side) if self.at_rest else 0.0
+        return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
+
+    def _of_level(self, deviations: Floats, side: Side) -> float:
+        """Return the scatter of the largest of deviations, shape (n,), on one level."""
+        if len(deviations) < _FEWEST_SAMPLES:
+            return 0.0
+        index = (tail_index_of_heavy if self._is_heavy else tail_index)(deviations, _OF_TAIL)
+        maxima = _maxima(deviations)
+        scatter = scatter_of_largest(maxima, index)
+        if not index and is_no_heavier_than_normal(self._settled - self.course[-1]):
+            return min(scatter, scatter_of_largest_of_normal(maxima, self.noise.rms))
+        known = side(self._settled) - side(self.course[-1:])
+        if self._is_heavy and (clicks := clicks_apart(known, self.step)) is not None:
+            of_clicks = clicks.scatter_of_largest(len(deviations) / len(known))
+            tail = 1.0 - clicks.probability
+            return math.sqrt(tail * scatter**2 + clicks.probability * of_clicks**2)
+        return scatter
+
+    @cached_property
+    def _drawn_again(self) -> Floats:
+        """The course, shape (draws, n), and from where on noise as it is at rest, or elsewhere, meets it."""
+        random, count = np.random.default_rng(_SEED), len(self.course)
+        draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
+        if self.at_rest:
+            noise = np.resize(self._settled - np.mean(self._settled), count)
+            begins = random.integers(0, count, draws).tolist()
+            drawn = np.array([np.roll(noise, begin) for begin in begins])
+        else:
+            drawn = self.noise.draw(random, (draws, count))
+        return np.asarray(self.course + self.of_rest * drawn)
+
+    def _of_one_far(self, rms: float) -> float:
+        """Return by how much the root mean square is more with the greatest magnitude as much greater as that
+        scatters: of heavy tails one sample makes much of it, and most records lack that."""
+        greatest, scatter = float(np.max(np.abs(self.values))), self._scatter_of_greatest(np.abs)
+        return (greatest + 0.5 * scatter) * scatter / (len(self.values) * rms)
+
+    @property
+    def _is_heavy(self) -> bool:
+        """Whether the tails of the noise are heavier than normal ones."""
+        return self.noise.innovations is not None
+
+    def _of_greatest_in_time(self, side: Side) -> float:
+        """Return the rms change of the greatest of the values, seen from a side, with other times of the
+        rows."""
+        if not np.any(self.of_times):
+            return 0.0
+        values, far = side(self.values), _FAR * self.of_times
+        near = np.flatnonzero(values + far >= np.max(values - far))
+        moved = np.random.default_rng(_SEED).standard_normal((_DRAWS, len(near))) * self.of_times[near]
+        return _rms(np.max(side(self.values[near] + moved), axis=1) - np.max(values))
+
+    def _of_times(self, rms: float) -> float:
+        return float(np.sqrt(np.sum((self.course * self.of_times) ** 2))) / (rms * len(self.values))
+
+    @property
+    def _settled(self) -> Floats:
+        return self.values[-self.at_rest :]
+
+    @property
+    def _share(self) -> float:
+        """By how much the mean of all samples scatters less than that of those at rest: of white noise by the
+        root of their numbers, of the slowest not at all."""
+        least = math.sqrt(min(1.0, self.at_rest / len(self.values)))
+        of_rest = self.noise.of_mean(self.at_rest)
+        return max(least, min(1.0, self.noise.of_mean(len(self.values)) / of_rest)) if of_rest else least
+
+    def _of_rows(self, rows: NDArray[np.int64], of: Callable[[Floats], float]) -> float:
+        """Return the rms change of a number of the values where they begin in other rows, as likely as each
+        is. Noise that moves the instant ahead of an edge moves the samples there as much: they are no further
+        away than the course after it is steep, and noise."""
+        found, samples = of(self.values), self.samples
+        if self.is_moved_by_noise and len(self.course) > 1 and not np.any(self.of_times):
+            ahead = np.arange(self.first, 0, -1.0)
+            reach = _STEEPER * abs(float(self.course[1] - self.course[0])) * ahead + self.noise.rms
+            level = float(self.values[0])
+            before = np.clip(samples[: self.first], level - reach, level + reach)
+            samples = np.concatenate([before, self.values])
+        moved = np.array([of(samples[row:]) - found for row in rows.tolist()])
+        return math.sqrt(float(self.shares @ moved**2))
+
+
+def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertainty | None:
+    row = Contribution("row of the first of the samples", "B", begun)
+    return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+
+
+def _in_course(errors: Floats, rms: float, begin: Instant) -> tuple[Floats, Floats]:
+    """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, and
+    how much of that noise is left about it, both of shape (n,).
+
+    The level at the instant `begin` is the one that it is defined by: of the error in the first row only
+    what a row after that instant leaves open is there, and of others only what is not correlated with it.
+    """
+    count = errors.shape[1]
+    if not len(errors) or not count or not rms > 0.0:
+        return np.zeros(count), np.ones(count)
+    own = np.minimum(np.std(errors, axis=0), rms)
+    about = np.sqrt(1.0 - (own / rms) ** 2)
+    square = float(np.mean(errors[:, 0] ** 2))
+    if begin.drawn and square > 0.0:
+        # within a row it is evenly distributed
+        known = 1.0 - _UNIFORM / math.hypot(_UNIFORM, begin.standard)
+        errors = errors - known * errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
+    return np.minimum(np.std(errors, axis=0), rms), about
+
+
+def _slopes(curve: Floats, scatter: float) -> Floats:
+    """Return the slopes of a curve, shape (n,), as they may be where the times of its rows scatter: on a top,
+    where they are zero at an instant, by its bend over as long, and by what its neighbours scatter."""
+    square = np.pad(np.gradient(curve) ** 2, 1, mode="edge")
+    beside = min(1.0, _OF_NEIGHBOURS * scatter**2)
+    return np.asarray(np.sqrt((1.0 - beside) * square[1:-1] + 0.5 * beside * (square[:-2] + square[2:])))
+
+
+def _places(begin: Instant) -> Floats:
+    """Return places in which an instant may be, each as likely: as far about it as noise moves it about what
+    noise makes of it in the middle, as one that is picked from noisy samples is, and is drawn, too late."""
+    middles = (np.arange(_PLACES) + 0.5) / _PLACES
+    if not begin.drawn:  # without noise, anywhere that the samples allow
+        return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
+    drawn = np.array(begin.drawn)
+    return np.asarray(begin.place + np.quantile(drawn, middles) - np.median(drawn))
+
+
+def end_of_tail(away: Floats, band: float, noise: float) -> int:
+    """Return the row from which the slowest tail of a course that is so far `away` from its last level, shape
+    (n,), is less than a tenth of the rms of the noise: it decays as fast as it leaves the outer half of the
+    band within which it has settled. 0 where there is no noise, or more than that."""
+    little = LITTLE * noise
+    if not 0.0 < little < band:
+        return 0
+    last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
+    return halved + math.ceil((halved - last) * math.log2(0.5 * band / little))
+
+
+def _rest(curve: Floats, first: int, band: float, noise: float, event: int) -> int:
+    """Return the row from which on what has arrived in the row `first` is at rest: where it stays near its
+    last level, twice that time after the event, and thrice where half of the samples are left; later where
+    its tail ends later, and leaves a third of them."""
+    end = len(curve)
+    last = curve[end - max(1, (end - first) // 4) :]
+    away = np.abs(curve - np.median(last))
+    settled = int(np.max(np.flatnonzero(away > band) + 1, initial=0))
+    if settled >= end:
+        return first
+    took = max(0, settled - event)
+    rest = max(first, event + _AT_REST * took, min(event + _IF_ROOM * took, (first + end) // 2))
+    later = end_of_tail(away, band, noise)
+    return later if rest < later <= end - (end - first) // _IF_ROOM else rest
+
+
+def _maxima(deviations: Floats) -> Floats:
+    """Return the largest of as many deviations, shape (n,), as count as one where their size has a memory: of
+    a line that scatters, the largest of a crest is one value."""
+    apart = math.ceil(len(deviations) / (error_of_series(deviations**2).dof + 1.0) - 1e-9)
+    if 1 < apart <= len(deviations) // _FEWEST_MAXIMA:
+        return np.asarray(np.maximum.reduceat(deviations, np.arange(0, len(deviations), apart)))
+    return deviations
+
+
+def _rms(values: Floats) -> float:
+    return math.sqrt(float(np.mean(values**2)))

@@ -1,0 +1,126 @@
+"""Single samples far from their neighbours, as interference leaves them in a transient."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.quantisation.resolution import counting_step
+
+Floats = NDArray[np.float64]
+
+_LONGEST = 2  # samples
+_REACH = 3  # samples to either side, whose median is one of the levels around
+_NEAR = 10  # samples to either side, within which what oscillates is no click
+_SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
+_STEPS = 1.5  # of a converter: noise that its steps hide moves a sample by one of them
+_OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
+RARE = 0.02
+"""Of the samples: more clicks are no interference that could be left out."""
+_PASSES = 5
+_FEWEST, _FEWEST_LEVELS = 50, 16  # samples; of a converter
+
+
+def without_clicks(samples: Floats) -> tuple[Floats, int]:
+    """Return samples, shape (n,), with clicks replaced by the line between their neighbours, and how many
+    samples that are.
+
+    A click is one sample, or each of two, beyond both neighbours and beyond the medians of three samples to
+    either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
+    from each other, so that an edge is none. The noise is how far half of the samples, of all or of those
+    near where that is more, are from the mean of their neighbours: what oscillates is none either. Samples
+    without noise are returned as they are, and so are those of which more than a fiftieth would be clicks,
+    with their number.
+    """
+    count = len(samples)
+    if count < _FEWEST:
+        return samples, 0
+    apart = np.abs(samples[1:-1] - 0.5 * (samples[:-2] + samples[2:]))
+    noise, step = _OF_MEDIAN * float(np.median(apart)), converter_step(samples)
+    if not max(noise, step) > 0.0:
+        return samples, 0
+    mended, hits = samples, np.zeros(count, dtype=np.bool_)
+    for _ in range(_PASSES):  # of clicks side by side one hides the other
+        hit = _hit(mended, apart, max(_SIGMAS * noise, _STEPS * step)) & ~hits
+        if not np.any(hit):
+            break
+        hits |= hit
+        if too_many(int(np.count_nonzero(hits)), count):
+            return samples, int(np.count_nonzero(hits))
+        mended = _bridged(samples, hits)
+    return mended, int(np.count_nonzero(hits))
+
+
+def without_outliers(samples: Floats, least: Floats) -> Floats:
+    """Return samples, shape (n,), with those replaced by the line between their neighbours that are, alone or
+    two of them, beyond all around by more than `least`, shape (n,), and by more than that differs."""
+    if len(samples) <= 2 * _REACH + _LONGEST:
+        return samples
+    far = _beyond_around(samples) > least
+    if not np.any(far) or np.all(far):
+        return samples
+    return _bridged(samples, far)
+
+
+def _bridged(samples: Floats, hits: NDArray[np.bool_]) -> Floats:
+    """Return samples, shape (n,), with those of the `hits` on the line between their neighbours, or between
+    the medians of these and of the two beside each, as a neighbour may be an outlier itself."""
+    rows, rest = np.arange(len(samples)), samples[~hits]
+    ends = np.pad(rest, 1, mode="edge")
+    middle = np.median([ends[:-2], rest, ends[2:]], axis=0)
+    bridged = samples.copy()
+    bridged[hits] = np.interp(rows[hits], rows[~hits], middle)
+    return bridged
+
+
+def too_many(clicks: int, count: int) -> bool:
+    """Return whether so many of `count` samples are clicks that these are no interference."""
+    return clicks > max(_LONGEST, math.floor(RARE * count))
+
+
+def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
+    """Return which of the samples, shape (n,), are far from their neighbours, and those near are not."""
+    beyond = _beyond_around(samples)
+    hit = beyond > least
+    for row in np.flatnonzero(hit):
+        near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
+        hit[row] = beyond[row] > _SIGMAS * _OF_MEDIAN * float(np.median(near))
+    return hit
+
+
+def converter_step(samples: Floats) -> float:
+    """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured."""
+    return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
+
+
+def _beyond_around(samples: Floats) -> Floats:
+    """Return how far each sample, shape (n,), is beyond what is around, alone or as one of two; at the ends
+    that is continued as in a mirror."""
+    around = _REACH + _LONGEST
+    mirrored = np.pad(samples, around, mode="reflect")
+    beyond = [_beyond(mirrored, length) for length in range(1, _LONGEST + 1)]
+    return np.asarray(np.maximum.reduce(beyond)[around : len(samples) + around])
+
+
+def _beyond(samples: Floats, length: int) -> Floats:
+    """Return how far each sample, shape (n,), is beyond what is around so many of which it is one; 0 where it
+    is within, or by less than what is around differs."""
+    count = len(samples)
+    first = np.arange(_REACH, count - length - _REACH + 1)
+    level = np.median(np.lib.stride_tricks.sliding_window_view(samples, _REACH), axis=1)
+    around = np.stack(
+        [samples[first - 1], level[first - _REACH], samples[first + length], level[first + length]]
+    )
+    highest, lowest = np.max(around, axis=0), np.min(around, axis=0)
+    within = samples[first[:, np.newaxis] + np.arange(length)]
+    # of two, the one may be above and the other below
+    each = np.maximum(within - highest[:, np.newaxis], lowest[:, np.newaxis] - within)
+    beyond = np.min(each, axis=1)
+    beyond[beyond <= highest - lowest] = 0.0
+    found = np.zeros(count)
+    for offset in range(length):
+        at = first + offset
+        found[at] = np.maximum(found[at], beyond)
+    return found

@@ -1,0 +1,483 @@
+"""The smooth curve through a noisy transient, and the uncertainty of values read off it.
+
+Noise with the measured spectrum is smoothed like the samples and added to the curve repeatedly; the scatter
+of the values then read off is their uncertainty (parametric bootstrap: Efron and Tibshirani, An Introduction
+to the Bootstrap, 6.5). The random numbers are the same at every call, so that the same samples give the same
+numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.distributions import least_odds
+from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
+from benchtool.analysis.steps.bursts import noise_levels, residual_levels
+from benchtool.analysis.steps.clicks import converter_step
+from benchtool.analysis.steps.row_times import scatter_of_times
+from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.steps.tops import Top, kink, parabola
+
+Floats = NDArray[np.float64]
+
+_OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
+_DRAWS = 80
+_FEWEST_DRAWS = 20
+_MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
+_SEED = 20_110_301
+_HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
+_TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
+_TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
+_SURE = 2.0  # standard deviations beyond a level that noise does not reach
+_TROUGH = 2.0  # times as many, below a level that it has passed: no noise of a rise
+_LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
+_OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
+_OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
+_VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
+
+
+@dataclass(frozen=True)
+class Instant:
+    """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
+
+    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all. `drawn`,
+    shape (draws,), are the places that noise may make of it; empty without noise.
+    """
+
+    place: float
+    standard: float
+    drawn: tuple[float, ...] = ()
+
+    def widened(self, standard: float) -> Instant:
+        """Return the instant with another contribution, evenly distributed, to its uncertainty."""
+        within = math.sqrt(3.0) * standard
+        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.drawn))
+        return Instant(self.place, math.hypot(self.standard, standard), tuple((moved + self.drawn).tolist()))
+
+
+@dataclass(frozen=True)
+class Passage:
+    """Place at which a curve passes a level, half the width of the interval that the samples allow, and the
+    `places` of the draws, shape (draws,), nan where one does not pass it."""
+
+    place: float
+    reach: float
+    places: Floats
+
+    @property
+    def instant(self) -> Instant:
+        """The place, with what noise and the samples leave open."""
+        return self.moved(self.place, self.places)
+
+    def moved(self, place: float, drawn: Floats) -> Instant:
+        """Return another place that follows from this one, and `drawn`, shape (draws,), from its draws."""
+        known = drawn[np.isfinite(drawn)]
+        if len(known) < _LEAST_DEFINED * len(drawn):
+            return Instant(place, math.inf)
+        noise = float(np.sqrt(np.mean((known - place) ** 2))) if len(known) else 0.0
+        return Instant(place, noise, tuple(known.tolist())).widened(self.reach / math.sqrt(3.0))
+
+
+def at_rest_error(at_rest: Floats, samples: Floats) -> float:
+    """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
+    of those `at_rest`; 0 where noise hides them, or there is no converter."""
+    return left_of_steps(float(np.std(at_rest)), converter_step(samples))
+
+
+def left_of_steps(rms: float, step: float) -> float:
+    """Return the standard uncertainty that a converter's `step` leaves in a mean of samples that are read at
+    rest with this rms; 0 where noise hides it."""
+    return _left_of_steps(rms, step) * step / math.sqrt(12.0) if rms < _HIDES * step else 0.0
+
+
+@dataclass(frozen=True)
+class NoisyCurve:
+    """Smooth `values`, shape (n,), and `errors`, shape (draws, n), that noise may cause in them.
+
+    Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
+    rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
+    is what the same noise makes of the mean of the samples before the first.
+    """
+
+    values: Floats
+    errors: Floats
+    time_scatter: float = 0.0
+    longer: Floats | None = None
+    before: Floats | None = None
+
+    @classmethod
+    def through(cls, samples: Floats, noise: Noise, before: int = 0) -> NoisyCurve:
+        """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
+        were so many `before`.
+
+        Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
+        within half a step of it, or within what the noise leaves of that. Where the times of the samples
+        scatter, each is off by that times the slope of the curve.
+        """
+        count, step = len(samples), converter_step(samples)
+        levels = noise_levels(samples, noise)
+        smoother, longer = fitted_smoothers(samples, noise, levels)
+        draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
+        random = np.random.default_rng(_SEED)
+        of_steps: float | Floats = 0.0
+        if noise.rms < _HIDES * step:
+            of_steps = _left_of_steps(noise.rms, step) * _within_steps(random, samples, step, draws)
+        scatter = scatter_of_times(samples, noise, step)
+        if noise.rms == 0.0:
+            of_times = _of_times(random, samples, scatter, draws)
+            known = step == 0.0 and scatter == 0.0
+            return cls(samples, np.empty((0, count)) if known else of_steps + of_times, scatter)
+        drawn = noise.draw(random, (draws, before + count))
+        of_before = np.mean(drawn[:, :before], axis=1) if before else None
+        errors, curve = smoother.apply(levels * drawn[:, before:]), smoother.apply(samples)
+        if isinstance(of_steps, np.ndarray):
+            of_steps = smoother.apply(of_steps)
+        if scatter:
+            errors += smoother.apply(_of_times(random, curve, scatter, draws))
+        blunt = longer.apply(samples)
+        bias = _OF_BIAS * (blunt - curve)
+        errors *= residual_levels((samples - curve) / levels, noise.rms)
+        errors += of_steps + random.standard_normal((draws, 1)) * bias
+        return cls(curve, errors, scatter, blunt, of_before)
+
+    def beyond(self, level: float) -> NoisyCurve:
+        """Return the curve less the `level` that the samples before it had, with what noise makes of the
+        difference: the slowest moves both alike."""
+        of_level = 0.0 if self.before is None else self.before[:, np.newaxis]
+        return replace(self, values=self.values - level, errors=self.errors - of_level)
+
+    @cached_property
+    def standard(self) -> Floats:
+        """Standard uncertainty at every sample, shape (n,)."""
+        return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
+
+    def drifting(self, doubt: float) -> NoisyCurve:
+        """Return the curve with a drift, of this standard deviation per sample, among what may be in it."""
+        if not doubt > 0.0:
+            return self
+        errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
+        drifts = doubt * np.random.default_rng(_SEED).standard_normal((len(errors), 1))
+        return replace(self, errors=errors + drifts * np.arange(len(self.values)))
+
+    def since(self, row: int) -> NoisyCurve:
+        """Return the part of the curve from a row onwards."""
+        longer = None if self.longer is None else self.longer[row:]
+        return replace(self, values=self.values[row:], errors=self.errors[:, row:], longer=longer)
+
+    def blunted(self) -> tuple[float, float]:
+        """Return by how much longer windows lower the peak of the greatest value, and how much later they
+        make it, in rows.
+
+        At a corner what windows do to both is in proportion to their length, so that as long ones are half as
+        much longer it is twice this; of a smooth peak it is a quarter, as of (3/2)^4 - 1.
+        """
+        top = int(np.argmax(self.values))
+        if self.longer is None or not 0 < top < len(self.values) - 1:
+            return 0.0, 0.0
+        at = top
+        while 0 < at < len(self.longer) - 1:
+            beside = at + 1 if self.longer[at + 1] > self.longer[at - 1] else at - 1
+            if self.longer[beside] <= self.longer[at]:
+                break
+            at = beside
+        sharp, blunt = parabola(self.values, top), parabola(self.longer, at)
+        lower = self.values[top] + sharp.above - self.longer[at] - blunt.above
+        return float(lower), at + blunt.beside - top - sharp.beside
+
+    def greatest(self, *, kinked: bool = False, begin: int = 0) -> tuple[float, float]:
+        """Return the greatest value, from a row on, and its standard uncertainty.
+
+        Noise raises the greatest of several similar values, and this bias is subtracted: what it does to
+        those that three standard deviations of both make as great (Chernozhukov, Lee and Rosen, Econometrica
+        81 (2013) no. 2), on the parabola through them. As if they were equal, a peak would be lowered by what
+        only a plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly would.
+        The less likely noise makes that parabola as high as the curve is, the more the middle of both is
+        taken. What the course between samples adds is added: at a kink, which the curve may have where it is
+        `kinked`, or on a parabola.
+        """
+        values, errors = self.values[begin:], self.errors[:, begin:]
+        greatest = float(np.max(values))
+        vertex = self._vertex(begin + int(np.argmax(values)), kinked=kinked)
+        between, unknown = vertex.above, vertex.above_error
+        if not len(errors):
+            return greatest + between, unknown
+        within = _TIED * self.standard[begin:]
+        tied = np.flatnonzero(values + within >= np.max(values - within))
+        # a parabola through a plateau does not bend as its ends do
+        shape = np.minimum(_shape(values, tied), values[tied] + _SURE * self.standard[begin:][tied])
+        highest = np.max(shape + errors[:, tied], axis=1)
+        bias = float(np.mean(highest) - np.max(shape))
+        as_it_is = float(np.mean(np.max(values + errors, axis=1))) - greatest
+        as_high = np.count_nonzero(highest >= greatest)
+        share = 0.5 + 0.5 * least_odds((1.0 + as_high) / (1.0 + len(highest)))
+        # anywhere between both, evenly, and which of both
+        between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
+        of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
+        bias = share * bias + (1.0 - share) * as_it_is
+        return greatest + between - bias, math.hypot(of_noise, unknown)
+
+    def least_after_greatest(self) -> tuple[float, float]:
+        """Return the least value after the greatest, and its standard uncertainty.
+
+        Of two peaks alike either may be the greatest: what follows is that after the one, or the other. What
+        noise lowers the least by is no difference of both.
+        """
+        top = int(np.argmax(self.values))
+        lowest, standard = NoisyCurve(-self.values, -self.errors).greatest(kinked=True, begin=top)
+        after = np.minimum.accumulate(self.values[::-1])[::-1]
+        tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
+        lowered = max(0.0, -lowest - float(after[top]))
+        apart = np.maximum(np.abs(after[tops] - after[top]) - lowered, 0.0)
+        other = float(np.sqrt(np.mean(apart**2)))
+        return -lowest, math.hypot(standard, other)
+
+    def lowered_after_greatest(self, lowest: float) -> float:
+        """Return by how much noise is taken to lower the least value after the greatest, which without it is
+        `lowest`; never negative."""
+        return max(0.0, lowest - float(np.min(self.values[int(np.argmax(self.values)) :])))
+
+    def place_of_greatest(self) -> Instant:
+        """Return where the greatest value is, between samples by a kink or a parabola."""
+        top = int(np.argmax(self.values))
+        alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
+        if alike > 1:  # on one level of a converter
+            return Instant(top + 0.5 * (alike - 1), alike / math.sqrt(12.0))
+        vertex = self._vertex(top, kinked=True)
+        place = top + vertex.beside
+        drawn = self.values + self.errors
+        tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
+        moved = [at + parabola(each, int(at)).beside - place for each, at in zip(drawn, tops, strict=True)]
+        of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
+        return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
+
+    def greatest_elsewhere(self, reach: int) -> float:
+        """Return the rms distance of the greatest value where noise puts it further away than so many rows,
+        over all draws."""
+        if not len(self.errors):
+            return 0.0
+        away = np.argmax(self.values + self.errors, axis=1) - float(np.argmax(self.values))
+        return float(np.sqrt(np.mean(np.where(np.abs(away) > reach, away, 0.0) ** 2)))
+
+    def _vertex(self, top: int, *, kinked: bool) -> Top:
+        """Return the course between samples about the greatest."""
+        found = kink(self.values, top, float(self.standard[top])) if kinked else None
+        return found or parabola(self.values, top)
+
+    def first_above(self, level: float | Floats) -> Instant | None:
+        """Return where the curve first rises to a level, or to one that is of shape (n,); None if it does
+        not, and before the first sample where that is above already.
+
+        Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
+        placed after as many samples as lie below the level. A trough that noise does not make ends that.
+        """
+        found = self.passage(level)
+        return None if found is None else found.instant
+
+    def passage(self, level: float | Floats, doubt: float = 0.0) -> Passage | None:
+        """Return `first_above` with what every draw makes of it, so that differences of two are drawn too.
+
+        The level is anywhere within sqrt(3) times `doubt`, its standard uncertainty, in a draw the same at
+        every call.
+        """
+        above, sure = self.values - level, _SURE * self.standard
+        found = _first(above, sure)
+        if found is None:
+            return None
+        within = math.sqrt(3.0) * doubt
+        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.errors)) if doubt else ()
+        shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
+        rising = _rising(above, sure) if len(shifted) else above
+        drawn = (_first(rising + each, sure) for each in shifted)
+        places = np.array([math.nan if each is None else each.place for each in drawn])
+        return Passage(found.place, found.reach, places)
+
+    def rise(self, low: float, high: float) -> Instant | None:
+        """Return how long the curve takes from its first rise to a level to that to a higher one; None if it
+        does not reach it.
+
+        What the errors move both by cancels.
+        """
+        sure = _SURE * self.standard
+        first, last = (_first(self.values - level, sure) for level in (low, high))
+        if first is None or last is None:
+            return None
+        moved, wide = [], math.hypot(first.reach, last.reach) / math.sqrt(3.0)
+        courses = [_rising(self.values - level, sure) for level in (low, high)] if len(self.errors) else []
+        for each in self.errors:
+            one, other = (_first(course + each, sure) for course in courses)
+            if one is not None and other is not None:
+                moved.append(other.place - one.place - (last.place - first.place))
+        if len(moved) < _LEAST_DEFINED * len(self.errors):
+            return Instant(last.place - first.place, math.inf)
+        noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
+        return Instant(last.place - first.place, math.hypot(noise, wide))
+
+    def last_outside(self, level: float, band: float) -> Instant | None:
+        """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends
+        outside."""
+        found = _last(self.values, level, band)
+        if found is None:
+            return None
+        drawn = (_last(self.values + each, level, band) for each in self.errors)
+        places = np.array([math.nan if each is None else each.place for each in drawn])
+        return Passage(found.place, found.reach, places).instant
+
+
+def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Return the least-squares parabola through the values in these rows; where they are apart, one through
+    each run of them."""
+    together = len(rows) >= _TOGETHER * (rows[-1] - rows[0] + 1)
+    runs = [rows] if together else np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    return np.concatenate([_parabola_through(each, values[each]) for each in runs])
+
+
+def _parabola_through(rows: NDArray[np.int64], values: Floats) -> Floats:
+    """Return the values, shape (n,), of the least-squares parabola; three or fewer are on it themselves."""
+    if len(rows) <= _DEGREE + 1:
+        return values
+    return np.asarray(Polynomial.fit(rows, values, _DEGREE)(rows))
+
+
+def _left_of_steps(noise_rms: float, step: float) -> float:
+    """Return how much of the errors of a converter's steps is left in a mean, by the rms that is read at
+    rest."""
+    return share_left(noise_beside(noise_rms**2, step), step)
+
+
+def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
+    level = np.round((samples - np.min(samples)) / step).astype(np.int64)
+    return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
+
+
+def _of_times(random: np.random.Generator, curve: Floats, scatter: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), of samples whose times scatter by so many rows."""
+    slope = np.gradient(curve) if scatter else np.zeros(len(curve))
+    return np.asarray(scatter * slope * random.standard_normal((draws, len(curve))))
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Place of a crossing between two samples, and half the width of the interval that the samples allow."""
+
+    place: float
+    reach: float
+
+
+def _first(above: Floats, sure: Floats) -> _Crossing | None:
+    at = int(np.argmax(above >= 0.0))
+    if above[at] < 0.0:
+        return None
+    found = _between(above, at) if at else _before_the_first(above)
+    after = above[at:]
+    clear = np.flatnonzero((after >= sure[at:]) | (after <= -_TROUGH * sure[at:]))
+    until = int(clear[0]) if len(clear) else 0
+    if after[until] < 0.0:  # it falls from a crest beyond the level, and passes that again later
+        until = int(np.flatnonzero(after[:until] >= 0.0)[-1])
+    again = int(np.count_nonzero(after[:until] < 0.0))
+    return _Crossing(found.place + again, found.reach) if again else found
+
+
+def _rising(above: Floats, sure: Floats) -> Floats:
+    """Return a course, shape (n,), without its noise until it is beyond zero by more than that, as it would
+    be in a draw twice: up to there the least-squares one that falls nowhere (isotonic regression: Barlow et
+    al., Statistical Inference under Order Restrictions, 1972, 1.2)."""
+    from scipy import optimize  # takes longer than all else here
+
+    beyond = int(np.argmax(above >= sure)) + 1
+    rises = optimize.isotonic_regression(above[:beyond]).x
+    within = np.abs(rises - above[:beyond]) <= sure[:beyond]
+    return np.concatenate([np.where(within, rises, above[:beyond]), above[beyond:]])
+
+
+def _before_the_first(above: Floats) -> _Crossing:
+    """Return where zero was crossed since the sample before the first, which was below: after the line
+    through the first two is there, unless they fall."""
+    slope = float(above[1] - above[0]) if len(above) > 1 else 0.0
+    reach = min(1.0, float(above[0]) / slope) if slope > 0.0 else 1.0
+    return _Crossing(-0.5 * reach, 0.5 * reach)
+
+
+def _last(values: Floats, level: float, band: float) -> _Crossing | None:
+    inside = band - np.abs(values - level)
+    outside = np.flatnonzero(inside < 0.0)
+    at = int(outside[-1]) + 1 if len(outside) else 0
+    if at == len(inside):
+        return None
+    return _last_lobe(inside, at) or (_between(inside, at) if at else _Crossing(0.0, 0.0))
+
+
+def _last_lobe(inside: Floats, begin: int) -> _Crossing | None:
+    """Return where a curve, which samples from `begin` on show above zero, rises from the last lobe below it
+    between samples: on the parabola through the lowest of three, with what a third difference changes."""
+    rises = np.diff(inside)
+    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + 1
+    lowest = lowest[(lowest > max(begin, 1)) & (lowest < len(inside) - 2)]
+    slope = 0.5 * (inside[lowest + 1] - inside[lowest - 1])
+    bend = inside[lowest + 1] - 2.0 * inside[lowest] + inside[lowest - 1]
+    below = slope**2 / (2.0 * bend) - inside[lowest]
+    if not np.any(below > 0.0):
+        return None
+    last = int(np.flatnonzero(below > 0.0)[-1])
+    row, bend_there = int(lowest[last]), float(bend[last])
+    half = math.sqrt(2.0 * float(below[last]) / bend_there)
+    bends = np.diff(inside[row - 2 : row + 3], 2)
+    uneven = float(np.max(np.abs(bends - bend_there))) / (16.0 * bend_there)
+    return _Crossing(row - float(slope[last]) / bend_there + half, min(half, uneven / half))
+
+
+def _between(above: Floats, at: int) -> _Crossing:
+    """Return the crossing of zero between samples `at` - 1, below it, and `at`, not below it.
+
+    The line through the two before (or rest, before the first) and that through the two after bound it,
+    unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
+    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
+    """
+    below, here = float(above[at - 1]), float(above[at])
+    first = last = line = below / (below - here)
+    slope = below - float(above[at - 2]) if at >= 2 else 0.0
+    from_before = min(1.0, -below / slope) if slope > 0.0 else 1.0
+    first, last = min(first, from_before), max(last, from_before)
+    if at + 1 < len(above):
+        slope = float(above[at + 1]) - here
+        from_after = max(0.0, 1.0 - here / slope) if slope > 0.0 else 0.0
+        first, last = min(first, from_after), max(last, from_after)
+    width, middle = last - first, 0.5 * (first + last)
+    if at >= 2 and at + 1 < len(above):
+        cubic = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
+        place, reach = (1.0 - width) * cubic + width * middle, 0.5 * width
+        if 3 <= at < len(above) - 2:
+            off = _off_a_cubic(above[at - 3 : at + 3]) / (here - below)
+            if off < reach:
+                place, reach = cubic, off
+        return _Crossing(at - 1 + place, reach)
+    place = (1.0 - width) * line + width * middle
+    # the width of as large a deviation from there as from the middle of the interval
+    return _Crossing(at - 1 + place, math.hypot(0.5 * width, math.sqrt(3.0) * (middle - place)))
+
+
+def _off_a_cubic(six: Floats) -> float:
+    """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
+    its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
+    as its second difference."""
+    second, fourth = (float(np.max(np.abs(np.diff(six, order)))) for order in (2, 4))
+    share = min(1.0, fourth / second) if second > 0.0 else 0.0
+    return fourth * (_OF_SMOOTH + share * _OF_KINK)
+
+
+def _cubic_zero(four: Floats, start: float) -> float:
+    """Return zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
+    a, b, c, d = np.linalg.solve(_VANDERMONDE, four).tolist()
+    place = start
+    for _ in range(3):
+        slope = b + place * (2.0 * c + place * 3.0 * d)
+        if slope <= 0.0:
+            return start
+        place = min(max(place - (a + place * (b + place * (c + place * d))) / slope, 0.0), 1.0)
+    return place

@@ -1,0 +1,477 @@
+"""Response of a signal to a step of its reference, or to a pulse as a torque limit makes of a speed step.
+
+Times and excursions are those of the smooth curve through the samples (`noisy_curve`), so that noise is not
+taken for a movement; least and greatest values of a plateau, and tracking errors, are those of the samples,
+because the ripple belongs to them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from statistics import NormalDist
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
+from benchtool.analysis.distributions import above_zero
+from benchtool.analysis.drawings import TORQUE
+from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
+from benchtool.analysis.sensitivity import MEASURED_AGAIN, SIGNED_AND_MEASURED_AGAIN, Sensitivities
+from benchtool.analysis.statistics.scatter import means_of_parts
+from benchtool.analysis.steps.arrived_samples import LITTLE, ArrivedSamples, end_of_tail
+from benchtool.analysis.steps.corners import corner_near
+from benchtool.analysis.steps.departure import SIGMAS, departure
+from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.step_drift import find_drift, wanders
+from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
+from benchtool.analysis.steps.step_validity import why_unknown
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.window import Window
+from benchtool.block import Block
+from benchtool.document import Section
+
+Floats = NDArray[np.float64]
+
+_LOW, _HIGH = 0.1, 0.9
+_ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling band
+_CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
+_AT_REST = 2.0  # times the settling time, at least
+_LONGER = 2.0  # times the samples whose mean is the final value
+_EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
+_BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
+_OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
+_FEWEST_SAMPLES = 20  # whose scatter says something
+_UNDECIDED = "because of noise this is undecided"
+_FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
+_MIDDLES = (np.arange(64) + 0.5) / 64  # of parts of a probability
+_NORMAL = np.array([NormalDist().inv_cdf(each) for each in _MIDDLES.tolist()])
+_ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """Result of `analyze_step`; times are since the step of the reference, values in the signal's unit."""
+
+    measurements: tuple[Measurement, ...]
+    step_row: int
+
+    def to_json(self) -> dict[str, MeasurementJson]:
+        return measurements_to_json(self.measurements)
+
+
+def analyze_step(block: Block, signal: str, reference: str, *, held: bool = False) -> StepResponse:
+    """Return latency, rise, overshoot, settling and remaining error after a step of `reference`.
+
+    Where the step is, what a `held` reference is and which are none says `find_step`. Overshoot and plateau
+    are measured against the greatest value of the reference, undershoot and settling against its final one,
+    the mean of its last tenth.
+
+    A signal counts as settled within 2 % of the step or, where the noise leaves the smooth curve more than a
+    fifth of that uncertain, within five of its standard uncertainties. Where it drifts before the step
+    (`find_drift`), times and excursions are undefined, and where it wanders at rest (`wanders`) all numbers.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step or several.
+    """
+    step = find_step(block, signal, reference, held=held)
+    curve, at_rest = _curve(step)
+    band = _band(step, curve)
+    drift = find_drift(step, at_rest)
+    found = tuple(_measurements(step, curve.drifting(drift.doubt), band))
+    if step.clicks:
+        found = tuple(_without_clicks(found, step.clicks))
+    if drift.reason:
+        found = tuple(_without_drift(found, drift.reason))
+    wandering = wanders(step, at_rest, drifts=bool(drift.reason) or drift.doubt > 0.0)
+    if reason := why_unknown(step, band) or wandering:
+        found = tuple(_undefined(each, reason) for each in found)
+    return StepResponse(found, step.row)
+
+
+def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
+    """Return the row from which on a signal that has `settled` within a `band` is at rest.
+
+    After m times as long an exponential decay has left the m-th power of the 2 % that it had: so many that
+    this is little against the noise, which it would be taken for. Of several the slowest is left, and decays
+    as fast as it leaves the outer half of the band.
+    """
+    times = _AT_REST
+    if (noise := LITTLE * step.y_noise.rms) > 0.0:
+        times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
+    begin = math.ceil(times * settled.place)
+    away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
+    later = end_of_tail(away, band, step.y_noise.rms)
+    return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
+
+
+def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
+    """Yield the numbers; what is of the smooth curve says how many samples are not in it."""
+    for each in found:
+        if each.name.startswith(_OF_SAMPLES):
+            yield each
+        else:
+            text = f"{each.definition}; without {clicks} samples that are far from their neighbours"
+            yield replace(each, definition=text)
+
+
+def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
+    """Yield the numbers; those that a drift would be taken for the answer in are undefined."""
+    for each in found:
+        if each.name.startswith(_OF_SAMPLES):
+            yield each
+        else:
+            yield _undefined(each, reason)
+
+
+def _undefined(each: Measurement, reason: str) -> Measurement:
+    return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+
+
+def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measurement]:
+    arrival = curve.passage(step.greatest - _ARRIVED * step.height, step.greatest_error)
+    arrived = None if arrival is None else arrival.instant
+    settled = curve.last_outside(step.final, band)
+    yield from _times(step, curve, arrived)
+    yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
+    yield from _excursions(step, curve, arrived)
+    yield from _plateau(step, curve, arrived, band)
+    yield from _tracking(step, curve, settled, band)
+
+
+def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
+    """Return the smooth curve, with the noise of all samples at rest where these are many more than the last;
+    and the samples long after the signal has settled, of what a drift keeps from it the later half."""
+    before = len(step.y_before)
+    curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
+    band = _band(step, curve)
+    settled = curve.last_outside(step.final, band)
+    if settled is None or not math.isfinite(settled.standard):
+        return curve, step.y_clear[len(step.y) // 2 :]
+    at_rest = step.y_clear[_rest(step, curve, settled, band) :]
+    if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
+        return curve, at_rest
+    noise = Noise.of(step.y_before, at_rest)
+    offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
+    if offset and len(at_rest) >= _FEWEST_SAMPLES:
+        # slow noise is as far off after the step as it was before, and wanders as it does at rest
+        away = float(np.mean(step.y_before)) - step.before
+        wander = float(np.std(means_of_parts(at_rest)))
+        noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
+    return NoisyCurve.through(step.y_clear, noise, before), at_rest
+
+
+def _band(step: Step, curve: NoisyCurve) -> float:
+    """Return half the width within which the curve counts as settled."""
+    tail = max(1, round(TAIL * len(curve.values)))
+    return max(_ARRIVED * step.height, _CALM * float(np.median(curve.standard[-tail:])))
+
+
+def _settling_text(step: Step, band: float) -> str:
+    least = f"{_ARRIVED:.0%} of the step"
+    why = least if band <= _ARRIVED * step.height else f"{_CALM:g} x its uncertainty, as {least} is less"
+    text = (
+        f"from the step until the smoothed signal stays within {band:.4g} {step.unit} of the final "
+        f"reference, the mean of its last tenth: {why}"
+    )
+    if step.leaves == len(step.r):
+        return text
+    held_s = (step.leaves - step.zero) * step.period_s
+    return (
+        f"{text}; the reference leaves its greatest value {held_s:.4g} s after the step, which this includes"
+    )
+
+
+def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+    text = (
+        f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
+        f"where {SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
+    )
+    left = departure(step, curve)
+    ahead = left is not None and max(0.0, left.place) < step.zero - left.standard
+    reason = "it moves before the reference has come half the way" if ahead else "it does not move"
+    yield _time(step, "step_latency", text, None if ahead else left, reason)
+
+    rise = curve.rise(*(step.before + share * step.height for share in (_LOW, _HIGH)))
+    text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
+    yield _interval(step, "rise_time", text, rise, "it is not reached")
+    text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
+    yield _time(step, "reach_time", text, arrived, "it is not reached")
+
+
+def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
+    """Return a time from the step to an instant."""
+    if found is not None:
+        found = _after(found.place - step.zero, found.standard, step.zero_error)
+    return _interval(step, name, definition, found, reason)
+
+
+def _after(since: float, standard: float, zero_error: float) -> Instant:
+    """Return a time since a step that was anywhere up to sqrt(3) times `zero_error` before.
+
+    It is not negative: its uncertainty is its rms deviation from what is given over those instants at which
+    it is none (as JCGM 106:2012, A.4.4, of prior knowledge).
+    """
+    given, earlier = max(0.0, since), math.sqrt(3.0) * zero_error
+    apart = since + earlier * _MIDDLES[:, np.newaxis] + standard * _NORMAL
+    possible = apart[apart >= 0.0]
+    if not math.isfinite(standard) or since > _FAR_BELOW * standard or not len(possible):
+        return Instant(given, math.hypot(standard, zero_error))
+    return Instant(given, float(np.sqrt(np.mean((possible - given) ** 2))))
+
+
+def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
+    """Return a time between two instants."""
+    if found is not None and not math.isfinite(found.standard):
+        found, reason = None, _UNDECIDED
+    if found is None:
+        return Measurement.undefined(name, "s", definition, reason, step.basis)
+    source = "noise of the smoothed signal over its slope, and where between two samples it may be"
+    uncertainty = Uncertainty(found.standard * step.period_s, source)
+    return Measurement(name, found.place * step.period_s, "s", definition, step.basis, uncertainty)
+
+
+def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+    source = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
+    greatest, of_curve = curve.greatest(kinked=True)
+    peak = None
+    if greatest - step.greatest > _EXTREME * math.hypot(of_curve, step.greatest_error):
+        lower, later = curve.blunted()
+        greatest, of_curve = greatest + _BLUNTED * lower, math.hypot(of_curve, _OF_BLUNTED * lower)
+        peak = curve.place_of_greatest()
+        standard = math.hypot(peak.standard, _OF_BLUNTED * later)
+        peak = Instant(peak.place - _BLUNTED * later, standard)
+        corner = corner_near(step.y_clear, step.y_noise, int(np.argmax(curve.values)))
+        if corner is not None:
+            height = corner.height, corner.height_error
+            greatest, of_curve = corner.averaged((greatest, of_curve), height)
+            # whichever this one is, noise may have made another the greatest
+            place = corner.place, math.hypot(corner.place_error, curve.greatest_elsewhere(corner.reach))
+            peak = Instant(*corner.averaged((peak.place, peak.standard), place))
+    text = "greatest value of the smoothed signal beyond the greatest reference"
+    error = math.hypot(of_curve, step.greatest_error)
+    beyond, of_overshoot = _at_least_zero(step, greatest - step.greatest, error)
+    yield _value(step, "overshoot", text, beyond, Uncertainty(of_overshoot, source))
+    percent = 100.0 / step.height
+    text = "100 x overshoot / height of the step of the reference"
+    relative = Uncertainty(percent * of_overshoot, source)
+    yield Measurement("overshoot_percent", percent * beyond, "%", text, step.basis, relative)
+
+    text = "from the step to the greatest value of the smoothed signal"
+    peak = peak if beyond > 0.0 else None
+    yield _time(step, "peak_time", text, peak, "it does not exceed the greatest reference beyond its noise")
+
+    name = "undershoot"
+    text = "greatest value of the smoothed signal short of the final reference after its own greatest value"
+    if arrived is None:
+        yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
+        return
+    lowest, standard = curve.least_after_greatest()
+    if peak is not None:
+        standard = math.hypot(standard, curve.lowered_after_greatest(lowest) / math.sqrt(3.0))
+    short, standard = _at_least_zero(step, step.final - lowest, math.hypot(standard, step.final_error))
+    yield _value(step, name, text, short, Uncertainty(standard, source))
+
+
+def _at_least_zero(step: Step, found: float, standard: float) -> tuple[float, float]:
+    """Return the best estimate of what cannot be negative, and its standard uncertainty."""
+    value, standard = above_zero(found, standard)
+    return value if value > _ROUNDING * step.height else 0.0, standard
+
+
+def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float) -> Iterator[Measurement]:
+    """Yield the numbers of the plateau: signal and reference both at their greatest."""
+    begin, end = step.holds, step.leaves
+    since = Instant(float(begin), 0.0)
+    if arrived is None or math.ceil(max(arrived.place, since.place)) >= end:
+        since, end = Instant(0.0, 0.0), 0
+    elif arrived.place > begin:
+        since = arrived
+    reason = ""
+    if not end:
+        reason = "the reference leaves its greatest value before the signal reaches it"
+    elif not math.isfinite(since.standard):
+        reason = _UNDECIDED
+    values = step.sign * step.y[:end]
+    course = replace(curve, values=step.sign * curve.values[:end])
+    found = None if reason else _arrived(step, values, course, since, band)
+    samples = len(values) - math.ceil(since.place)
+    for name, which, of, uncertain in (
+        ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
+        ("plateau_min", "least", np.min, ArrivedSamples.of_least),
+        ("plateau_max", "greatest", np.max, ArrivedSamples.of_greatest),
+    ):
+        text = (
+            f"{which} sample from reaching 98% of the step until the reference leaves the {_ARRIVED:.0%} "
+            f"below its greatest value, {samples} samples"
+        )
+        if found is None:
+            yield Measurement.undefined(name, step.unit, text, reason, step.basis)
+        else:
+            value = float(of(found.values))
+            yield _value(step, name, text, value, uncertain(found), SIGNED_AND_MEASURED_AGAIN)
+
+
+def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: float) -> Iterator[Measurement]:
+    undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
+    left = 0 if settled is None else len(step.y) - math.ceil(settled.place)
+    if settled is None or left < 2 or not math.isfinite(settled.standard):
+        reason = "it does not settle" if left < 2 else _UNDECIDED
+        for name in ("mean", "rms", "max"):
+            text = "signal minus reference after settling"
+            yield undefined(f"tracking_error_{name}", definition=text, reason=reason)
+        return
+    error = step.sign * (step.y - step.r)
+    course = replace(curve, values=step.sign * (curve.values - step.r))
+    fall = step.leaves if step.leaves < len(step.r) else 0  # of a pulse, and no time since its rise counts
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, fall)
+    window = f"signal minus reference, {left} samples after settling"
+    mean = float(np.mean(found.values))
+    text = f"mean of {window}"
+    yield _value(step, "tracking_error_mean", text, mean, found.of_mean(), SIGNED_AND_MEASURED_AGAIN)
+    yield _tracking_rms(step, found, window)
+    greatest = float(np.max(np.abs(found.values)))
+    text = f"greatest magnitude of {window}"
+    yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
+
+
+def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> Instant:
+    """Return the instant at which a signal has `settled` within a `band`, of which noise makes none while it
+    is surely outside, as before a pulse falls."""
+    outside = np.flatnonzero(np.abs(curve.values - step.final) > band + _CALM * curve.standard)
+    if not len(outside) or not settled.drawn:
+        return settled
+    earlier = max(0.0, settled.place - float(outside[-1]))
+    drawn = np.maximum(settled.drawn, np.median(settled.drawn) - earlier)
+    return replace(settled, drawn=tuple(drawn.tolist()))
+
+
+def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement:
+    """Return the rms of the error, without the power that noise leaves in a reference."""
+    name, text = "tracking_error_rms", f"rms, with the mean, of {window}"
+    square, uncertain = found.rms**2, found.of_rms()
+    if not len(step.r_errors) or uncertain is None or not square > 0.0:
+        return _value(step, name, text, found.rms, uncertain)
+    powers = np.mean(step.r_errors[:, -len(found.values) :] ** 2, axis=1)
+    power, spread = float(np.mean(powers)), float(np.std(powers))
+    text = f"{text}, without {math.sqrt(power):.2g} {step.unit} rms of noise left in the reference"
+    # of a square, and with it of its root, less than a standard uncertainty is left
+    least = math.hypot(spread, 2.0 * found.rms * uncertain.standard)
+    if square - power < least:
+        reason = "it is not told from the noise of the reference: record a reference that has less"
+        return Measurement.undefined(name, step.unit, text, reason, step.basis)
+    rms = math.sqrt(square - power)
+    lines = (
+        Contribution("that of the rms with this noise", "A", uncertain.standard * found.rms / rms),
+        Contribution("power of noise left in the reference", "A", spread / (2.0 * rms)),
+    )
+    return _value(step, name, text, rms, combined(lines, uncertain.source))
+
+
+def _arrived(
+    step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float, event: int = 0
+) -> ArrivedSamples:
+    if step.shown_late:  # the sample before the instant is shown for any part of the time after it
+        late = 0.5 * step.shown_late
+        drawn = tuple(each - late for each in since.drawn)
+        since = Instant(since.place - late, since.standard, drawn).widened(late)
+    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event)
+
+
+def _value(
+    step: Step,
+    name: str,
+    definition: str,
+    value: float,
+    uncertain: Uncertainty | None,
+    sensitivities: Sensitivities = MEASURED_AGAIN,
+) -> Measurement:
+    return Measurement(name, value, step.unit, definition, step.basis, uncertain, sensitivities=sensitivities)
+
+
+class StepSettings(Section):
+    """The channel that follows and the one that steps; of one unit."""
+
+    signal: str = "torque"
+    """Channel that follows."""
+    reference: str = "torque_reference"
+    """Channel that steps."""
+
+
+def _measure(window: Window, settings: StepSettings) -> Findings:
+    found = analyze_step(window.block, settings.signal, settings.reference, held=True)
+    return Findings(found.measurements, result=found)
+
+
+_OF_SIGNAL: Final = UnitOf("signal")
+
+STEP: Final = Analysis(
+    name="step",
+    title="step response",
+    measure=_measure,
+    quantities=(
+        Quantity(
+            ("step_latency",),
+            "s",
+            "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
+            "standard uncertainties are more, from there back to the middle between 0.3 of the way along a "
+            "line through there and twice as far, and the way along a parabola (a lag of second order); each "
+            "is 1.05 standard uncertainties away. "
+            "Undefined where the signal has moved before time zero, along a slow reference",
+        ),
+        Quantity(
+            ("rise_time",),
+            "s",
+            "from 10 % to 90 % of `height`",
+        ),
+        Quantity(("reach_time",), "s", "to 98 % of `height`", label="reached in"),
+        Quantity(
+            ("settling_time",),
+            "s",
+            "until the curve stays within `max(2 % of height, 5 x its standard uncertainty)` of `final`; the "
+            "definition states the width. Of a pulse that is after its fall, and the time that the reference "
+            "was held is included",
+        ),
+        Quantity(
+            ("overshoot",),
+            _OF_SIGNAL,
+            "greatest value of the curve minus `greatest`, less what noise adds to it on average; as it is "
+            "at least 0, the median of the part of its distribution that is above",
+            label="overshoot",
+        ),
+        Quantity(("overshoot_percent",), "%", "`100 x overshoot / height`"),
+        Quantity(
+            ("peak_time",),
+            "s",
+            "to the greatest value of the curve; undefined where that is not beyond `greatest` by four "
+            "standard uncertainties",
+        ),
+        Quantity(
+            ("undershoot",),
+            _OF_SIGNAL,
+            "`final` minus the least value of the curve after its greatest, likewise",
+        ),
+        Quantity(
+            ("plateau_mean", "plateau_min", "plateau_max"),
+            _OF_SIGNAL,
+            "mean, least and greatest sample from `reach_time` until the reference falls below `greatest - "
+            "2 % of height`",
+        ),
+        Quantity(
+            ("tracking_error_mean", "tracking_error_rms", "tracking_error_max"),
+            _OF_SIGNAL,
+            "of signal minus reference, sample by sample, from `settling_time` to the end; `_max` is the "
+            "greatest magnitude",
+        ),
+    ),
+    settings=StepSettings,
+    measured=Measured.ON_REQUEST,
+    channel_settings=("signal", "reference"),
+    figures=(TORQUE,),
+    comparisons=(TORQUE,),
+)

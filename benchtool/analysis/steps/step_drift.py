@@ -1,0 +1,142 @@
+"""Drift of a signal before a step, on which its answer would be superimposed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
+from benchtool.analysis.steps.noisy_curve import at_rest_error
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.step_shape import Step
+
+Floats = NDArray[np.float64]
+
+_SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
+_DOUBTFUL = 2.5  # likewise, of one that may be there
+_AT_REST = 5.0  # likewise, of one after the signal has settled
+_AGREES = 3.0  # standard uncertainties between both
+_WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
+_SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
+_GROWS = 0.8  # of what it moves by in a half or a quarter of the time; a walk 1.4 and 2 times, but for chance
+_LONG = 6  # parts of a record that Allan's variance is of
+_FEWEST, _FEWEST_AT_REST = 20, 64  # samples of a slope; whose lowest frequencies tell a walk
+_TOLERATED = 0.02  # of the step, over the time after it: the least settling band
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Drift of a signal: `reason` why the answer is not told from it, empty where it is; `doubt` is the
+    standard uncertainty, per sample, of a drift that cannot be excluded."""
+
+    reason: str
+    doubt: float
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """Of a line through samples, per sample, and its standard uncertainty."""
+
+    value: float
+    standard: float
+
+    @classmethod
+    def of(cls, samples: Floats) -> _Slope | None:
+        """Fit a line to samples, shape (n,); its uncertainty is what stationary noise of the autocovariance
+        about that line does to its slope. None of too few samples."""
+        if len(samples) < _FEWEST:
+            return None
+        place = np.arange(len(samples)) - 0.5 * (len(samples) - 1)
+        weights: Floats = np.asarray(place / float(place @ place), dtype=np.float64)
+        return cls(float(weights @ samples), Noise.of(samples).of_sum(weights))
+
+
+def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
+    """Return why the level of a signal is not known, empty where it is: it wanders, as a random walk does.
+
+    What it moved by between the samples before the step and those `at_rest` after it is then not known. Each
+    of both shows few of the lowest frequencies; that the density of their noise rises towards zero frequency
+    more steeply than that of 1/f noise is told by both together. So seems that of a line of which they hold
+    no whole periods, but within a longer time it moves by less. Where it `drifts`, that is about one slope of
+    both, as a drift goes on.
+    """
+    pieces = [each for each in (step.y_before, at_rest) if len(each) >= _FEWEST_AT_REST]
+    if drifts:
+        pieces = _about_one_slope(pieces)
+    if not pieces:
+        return ""
+    longest = max(pieces, key=len)
+    size = len(longest) // _LONG
+    wander, *shorter = (math.sqrt(_allan_variance(longest, max(1, size // each))) for each in (1, 2, 4))
+    # twice the settling time after a step an exponential decay has left the square of what settling tolerates
+    if wander < max(_TOLERATED**2 * step.height, _GROWS * max(shorter)):
+        return ""
+    # what only follows the step is how the answer creeps to its level
+    noise = slow_noise(pieces[0]) if len(step.y_before) >= _FEWEST_AT_REST else None
+    if noise is None or noise.rise < _SHOWS:
+        return ""
+    probability = walk_probability(pieces)
+    if probability is None or probability < (_WANDERS if len(pieces) > 1 else _ALONE):
+        return ""
+    return (
+        f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "
+        f"and more the longer it is watched: find what moves it, or record less before and after the step"
+    )
+
+
+def _about_one_slope(pieces: list[Floats]) -> list[Floats]:
+    """Return pieces, each of shape (n,), about lines of one slope, that of least squares."""
+    places = [np.arange(len(each)) - 0.5 * (len(each) - 1) for each in pieces]
+    square = sum(float(each @ each) for each in places)
+    slope = sum(float(place @ each) for place, each in zip(places, pieces, strict=True)) / max(square, 1.0)
+    return [each - slope * place for place, each in zip(places, pieces, strict=True)]
+
+
+def _allan_variance(samples: Floats, size: int) -> float:
+    """Return the mean square of the difference of means of so many samples side by side (twice what Allan
+    defines, Proc. IEEE 54 (1966) 221)."""
+    total = np.concatenate([[0.0], np.cumsum(samples - np.mean(samples))])
+    means = (total[size:] - total[:-size]) / size
+    return float(np.mean((means[size:] - means[:-size]) ** 2))
+
+
+def find_drift(step: Step, at_rest: Floats) -> Drift:
+    """Return the drift of a signal by its samples before the step and, where it has settled, `at_rest`.
+
+    A slope before the step is significant where it is beyond noise and, continued to the end of the record,
+    moves the signal by more than the tolerance of settling. One that is less, or that noise or the steps of a
+    converter hide there, is a doubt where the samples at rest have it too: a drift goes on.
+    """
+    before = _Slope.of(step.y_before)
+    if before is None:
+        return Drift("", 0.0)
+    slope = before.value
+    moved = slope * len(step.y)
+    if abs(slope) > _SIGMAS * before.standard and abs(moved) > _TOLERATED * step.height:
+        rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s
+        reason = (
+            f"the signal drifts by {rate:.4g} {step.unit}/s before the step, which is "
+            f"{100.0 * abs(moved) / step.height:.2g} % of the step over the {after_s:.4g} s after it: "
+            f"let it settle before the step, or record less after it"
+        )
+        return Drift(reason, 0.0)
+    # the level of a converter is anywhere within a step at both ends
+    hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
+    both = _of_both(_Slope(slope, math.hypot(before.standard, hidden)), _Slope.of(at_rest))
+    return Drift("", abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0)
+
+
+def _of_both(before: _Slope, after: _Slope | None) -> _Slope:
+    """Return the slope that two pieces have in common, each by its weight; that before a step where there is
+    no other, or where that is another for certain, as of an answer that creeps."""
+    if after is None or not after.standard > 0.0:
+        return before
+    apart = math.hypot(before.standard, after.standard)
+    if abs(after.value) > _AT_REST * after.standard and abs(after.value - before.value) > _AGREES * apart:
+        return before
+    share = (after.standard / apart) ** 2
+    mean = share * before.value + (1.0 - share) * after.value
+    return _Slope(mean, before.standard * after.standard / apart)

@@ -1,0 +1,269 @@
+"""Locating a step of a reference and its levels; refusing references that are not a single step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.steps.clicks import converter_step, without_clicks
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.row_times import hold
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+
+Floats = NDArray[np.float64]
+
+TAIL = 0.1
+"""Part of the window, at its end, where the final value and the noise are read."""
+
+HELD = 0.02
+"""Of the height: how near its greatest value a reference counts as held there."""
+
+_WAY = HELD, 1.0 - 0.5 * HELD  # of the height: between these a step is in transition
+_LANDING = 0.03  # of the height: a band in which it spends little time
+_DWELL = 0.2  # of the way: more than a ramp (0.03) spends in such a band; an exponential only at its end
+_FASTER = 3.0  # times the usual speed in the band: above it, where the way goes on from a rest
+_FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
+_OPPOSITE = 0.5  # of the height: the most that a step goes the other way
+_QUARTERS = 0.25, 0.75
+_AT_REST = 1e-3  # of the height: smaller deviations are not a transition
+_SIGMAS = 3.0  # standard deviations of its noise, likewise
+_LEAVES = 6.0  # standard deviations of its noise, which that does not reach
+_FIRST_PEAKS = 20  # rows from a step on
+_WITHIN = 1.0 / math.sqrt(3.0)  # rms of anywhere within a row before
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its `begin` on.
+
+    `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
+    the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
+    uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
+    `greatest_error` and `final_error` are the standard uncertainties that its noise leaves in these, and
+    `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are no draws. `y_clear` is the
+    signal without its `clicks` samples that are far from their neighbours, `y_before` the same up to the
+    step, and `y_noise` its noise at rest. `shown_late` is for how long after a row it is shown at most, in
+    rows.
+    """
+
+    y: Floats
+    y_clear: Floats
+    clicks: int
+    y_before: Floats
+    y_noise: Noise
+    r: Floats
+    r_errors: Floats
+    sign: float
+    begin: int
+    row: int
+    zero: float
+    zero_error: float
+    before: float
+    greatest: float
+    greatest_error: float
+    tail: int
+    final: float
+    final_error: float
+    shown_late: float
+    period_s: float
+    unit: str
+    basis: Basis
+
+    @cached_property
+    def converter_step(self) -> float:
+        """Step of a converter in the signal; 0 without one."""
+        return converter_step(self.y)
+
+    @property
+    def holds(self) -> int:
+        """Row from `begin` on from which the reference is near its greatest value."""
+        return int(np.argmax(self._near_greatest))
+
+    @property
+    def leaves(self) -> int:
+        """Row in which it falls from there, and the number of rows if it does not."""
+        left = np.flatnonzero(~self._near_greatest[self.holds :])
+        return self.holds + int(left[0]) if len(left) else len(self.r)
+
+    @property
+    def _near_greatest(self) -> NDArray[np.bool_]:
+        return self.r >= self.greatest - HELD * self.height
+
+    @property
+    def height(self) -> float:
+        return self.greatest - self.before
+
+
+def find_step(block: Block, signal: str, reference: str, *, held: bool = False) -> Step:
+    """Return the one step of a reference and the signal that answers it.
+
+    The step is where the reference first leaves its first value by half of its greatest excursion, so that
+    a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. The
+    record does not show when between two rows a step was made: anywhere within the row before, of which the
+    root mean square is 0.58 rows. A reference that is `held`, as a drive holds its own from tick to tick,
+    changes at one of the ticks since the row before: at its row exactly where each tick is a row. A reference
+    that falls back after a while is a pulse and allowed. Of a signal that is held for several rows one sample
+    of each is taken.
+
+    Raises:
+        AnalysisError: a gap, a missing channel, a dead signal, units that differ, no step, or more than one.
+    """
+    require_unbroken(block)
+    y, r = block.column(signal), block.column(reference)
+    require_signal(y, signal)
+    unit, other = block.unit(signal), block.unit(reference)
+    if unit != other:
+        raise AnalysisError(
+            f"'{signal}' is in {unit or 'no unit'} and '{reference}' in {other or 'no unit'}, "
+            f"a step response needs one unit: convert one of the two, or choose the signal's own reference"
+        )
+    tail = max(1, round(TAIL * len(r)))
+    row = _step_row(r, reference)
+    r_noise = Noise.of(r[-tail:])
+    sign = 1.0 if np.max(r) - r[0] >= r[0] - np.min(r) else -1.0
+    y, r = sign * y, sign * r
+    r, greatest, greatest_error, r_errors = _without_noise(r, row, r_noise)
+    before = float(r[0])
+    _require_one_step(r, before, greatest, reference, unit)
+    begin, zero = _begin(r, row, r_noise.rms)
+    zero_error = _within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
+    held_rows, first = hold(y)
+    y, r = y[first::held_rows], r[first::held_rows]
+    instant = (begin + zero - first) / held_rows
+    begin = math.ceil((begin - first) / held_rows)
+    tail = max(1, round(TAIL * len(r)))
+    clear, clicks = _without_clicks(y, begin)
+    rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
+    against = (
+        f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
+        f"{unit} in row {row}, where it has come half the way"
+    )
+    if held_rows > 1:
+        against += f"; each sample of {signal} is held for {held_rows} rows"
+    return Step(
+        y=y[begin:],
+        y_clear=clear[begin:],
+        clicks=clicks,
+        y_before=clear[: max(1, begin)],
+        y_noise=Noise.of(clear[:begin], clear[-tail:]),
+        r=r[begin:],
+        r_errors=r_errors[:, first::held_rows][:, begin:],
+        sign=sign,
+        begin=begin,
+        row=row,
+        zero=instant - begin,
+        zero_error=zero_error / held_rows,
+        before=before,
+        greatest=greatest,
+        greatest_error=greatest_error,
+        tail=tail,
+        final=float(np.mean(r[-tail:])),
+        final_error=r_noise.of_mean(tail),
+        shown_late=1.0 if held_rows > 1 else 0.0,
+        period_s=1.0 / rate_Hz,
+        unit=unit,
+        basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
+    )
+
+
+def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
+    """Return a signal, shape (n,), without its clicks, and their number; where all of them follow the row
+    `begin` of a step at once they are peaks of its answer, as interference strikes anywhere."""
+    clear, clicks = without_clicks(y)
+    elsewhere = np.flatnonzero(clear != y) - begin
+    if len(elsewhere) and np.all((elsewhere >= 0) & (elsewhere < _FIRST_PEAKS)):
+        return y, 0
+    return clear, clicks
+
+
+def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float, Floats]:
+    """Return a reference, shape (n,), that rises by about half its way in `row`, without its noise; its
+    greatest value, the mean of those that noise may make it, with the standard uncertainty of that; and
+    what noise may have left in all, shape (draws, n)."""
+    if not noise.rms > 0.0:
+        return r, float(np.max(r)), 0.0, np.empty((0, len(r)))
+    curve = NoisyCurve.through(r[row:], noise)
+    top = int(np.argmax(curve.values))
+    near = curve.values >= curve.values[top] - 2.0 * _SIGMAS * curve.standard
+    greatest = float(np.mean(r[row:][near]))
+    rest = r[:row].copy()
+    still = int(np.argmax(np.append(rest - rest[0] > _LEAVES * noise.rms, True)))
+    rest[:still] = np.mean(rest[:still])
+    left = np.pad(curve.errors, ((0, 0), (row, 0)))
+    smooth = np.concatenate([rest, curve.values])
+    return smooth, greatest, noise.of_mean(int(np.count_nonzero(near))), left
+
+
+def _within(block: Block, *, held: bool) -> float:
+    """Return the rms of how far before its row a step may be, in rows."""
+    ticks = block.stride
+    return math.sqrt((ticks - 1.0) * (ticks - 0.5) / 3.0) / ticks if held else _WITHIN
+
+
+def _step_row(reference: Floats, name: str) -> int:
+    excursion = np.abs(reference - reference[0])
+    greatest = float(np.max(excursion))
+    if not greatest > 0.0:
+        raise AnalysisError(
+            f"'{name}' holds {reference[0]:g} over {len(reference)} samples, a step is needed: "
+            f"record across it"
+        )
+    return int(np.argmax(excursion >= 0.5 * greatest))
+
+
+def _begin(r: Floats, row: int, noise: float) -> tuple[int, float]:
+    """Return the row in which a reference leaves its first level, and the instant of half the way in samples
+    from it."""
+    height = float(np.max(r) - r[0])
+    rest = np.flatnonzero(r[:row] - r[0] <= _AT_REST * height + _SIGMAS * noise)
+    begin = int(rest[-1]) + 1
+    if begin == row:
+        return row, 0.0
+    short = 0.5 * height - float(r[row - 1] - r[0])
+    return begin, row - 1 - begin + short / float(r[row] - r[row - 1])
+
+
+def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit: str) -> None:
+    """Refuse staircases, square waves and doublets: numbers of a step mean nothing there."""
+    way = (r - before) / (greatest - before)
+    low, high = _QUARTERS
+    side = np.where(way >= high, 1, np.where(way <= low, 0, -1))
+    rises = int(np.count_nonzero(np.diff(side[side >= 0]) > 0))
+    if rises > 1:
+        raise AnalysisError(
+            f"'{name}' rises {rises} times by {greatest - before:.4g} {unit}, one step is needed: record or "
+            f"choose a window with one"
+        )
+    if (least := float(np.min(way))) < -_OPPOSITE:
+        raise AnalysisError(
+            f"'{name}' goes by {greatest - before:.4g} {unit} one way and by "
+            f"{-least * (greatest - before):.4g} {unit} the other, a single step is needed: record one"
+        )
+    begin = int(np.flatnonzero(way[: int(np.argmax(way)) + 1] <= _WAY[0])[-1])
+    end = int(np.argmax(way >= _WAY[1]))
+    if (landing := _landing(way[begin + 1 : end])) is not None:
+        raise AnalysisError(
+            f"'{name}' rests near {before + landing * (greatest - before):.4g} {unit} on its way to "
+            f"{greatest:.4g} {unit}, a single step is needed: record each step of a staircase by itself"
+        )
+
+
+def _landing(way: Floats) -> float | None:
+    """Return the level at which much of the way up is spent and from which it goes on faster; None where
+    there is none, as where a way slows down towards its end."""
+    if len(way) < _FEWEST_ON_THE_WAY:
+        return None
+    ordered = np.sort(way)
+    within = np.searchsorted(ordered, ordered + _LANDING, side="right") - np.arange(len(ordered))
+    above = len(ordered) - np.arange(len(ordered)) - within
+    left = _WAY[1] - ordered - _LANDING
+    rests = (within > _DWELL * len(way)) & (left * within > _FASTER * _LANDING * above) & (left >= _LANDING)
+    return float(ordered[np.argmax(within * rests)] + 0.5 * _LANDING) if np.any(rests) else None

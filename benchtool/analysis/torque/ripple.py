@@ -1,0 +1,401 @@
+"""Ripple of a signal about its mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.periods import PhaseTrack, rows_of_marks
+from benchtool.analysis.quantisation.resolution import counting_step
+from benchtool.analysis.sensitivity import Sensitivities, Sensitivity
+from benchtool.analysis.statistics.scatter import FEWEST_EXTREMES, TOO_SLOW, MeanError
+from benchtool.analysis.torque.ripple_extremes import FEWEST_PERIODS
+from benchtool.analysis.torque.ripple_scatter import (
+    HIGH_PERCENT,
+    LOW_PERCENT,
+    Periods,
+    Scatter,
+    percentile_range,
+    scatter_of_periods,
+)
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
+from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
+from benchtool.block import Block, as_samples
+
+_SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
+_SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
+_TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
+_GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
+_DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
+
+
+@dataclass(frozen=True)
+class Ripple:
+    """Mean and deviation of a signal, in the signal's `unit`."""
+
+    mean: float
+    peak_to_peak: float
+    rms: float
+    unit: str
+
+
+def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Ripple:
+    """Return the ripple of uniformly sampled values, shape (n,).
+
+    `peak_to_peak` is maximum minus minimum of all samples, `rms` the root mean square of the deviation from
+    the mean (divided by n, not n - 1). Nothing is filtered. `name` stands in the messages.
+
+    Raises:
+        AnalysisError: too short, not finite, constant, or not of shape (n,).
+    """
+    samples = as_samples(samples, name)
+    require_signal(samples, name)
+    return Ripple(
+        mean=float(np.mean(samples)),
+        peak_to_peak=float(np.max(samples) - np.min(samples)),
+        rms=float(np.std(samples)),
+        unit=unit,
+    )
+
+
+def record_basis(block: Block) -> Basis:
+    """Return basis of all rows of a block without gaps: unfiltered, with aliases from above half the rate."""
+    samples, rate_Hz = len(block.data), block.sample_rate_Hz
+    return Basis(
+        samples,
+        rate_Hz,
+        samples / rate_Hz,
+        0.5 * rate_Hz,
+        "rectangular, all samples",
+        gaps=0,
+        alignment_s=block.alignment_s or None,
+    )
+
+
+def ripple_numbers(
+    block: Block,
+    channel: str,
+    name: str,
+    *,
+    rated: float | None = None,
+    track: PhaseTrack | None = None,
+    pole_pairs: int = 1,
+    what: str = "",
+) -> tuple[Measurement, ...]:
+    """Return the mean of a channel, and its ripple peak to peak, rms and between percentiles, absolute and
+    relative.
+
+    Args:
+        block: rows without gaps; of any uniform rate.
+        channel: the channel to measure.
+        name: what the names of the measurements begin with, such as torque.
+        rated: the base of the numbers "of rated", in the channel's unit; None leaves them out.
+        track: phase over the rows, for uncertainties from the scatter over whole electrical periods; without
+            it, or with fewer than three periods, there are none.
+        pole_pairs: electrical periods in a mechanical revolution, where the track is by its angle: what is
+            slower than a period may repeat with that.
+        what: words for the channel in the definitions.
+
+    Raises:
+        AnalysisError: a gap, no such channel, or one that is too short, not finite or constant.
+    """
+    require_unbroken(block)
+    samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
+    # without an angle the machine may slip
+    has_angle = track is not None and track.residual_rad is not None
+    marks = None if track is None else track.period_marks()
+    return ripple_of_rows(
+        samples,
+        unit,
+        name,
+        record_basis(block),
+        rated=rated,
+        marks=marks,
+        per_revolution=pole_pairs if has_angle else 1,
+        what=what or channel,
+        channel=channel,
+    )
+
+
+def ripple_of_rows(
+    samples: NDArray[np.float64],
+    unit: str,
+    name: str,
+    basis: Basis,
+    *,
+    rated: float | None = None,
+    marks: NDArray[np.float64] | None = None,
+    repeated: str = "electrical periods",
+    per_revolution: int = 1,
+    what: str = "signal",
+    channel: str = "",
+    no_periods: str = "",
+) -> tuple[Measurement, ...]:
+    """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
+
+    `marks`, shape (m + 1,), are the sample numbers at which what repeats begins, the first 0, and that at
+    which the last one ends; `repeated` says what that is, `per_revolution` how many make a revolution.
+    Messages name `channel`, or `what` where it is not given. `no_periods` is why nothing tells `marks`, where
+    that is not for lack of an angle, a current or a speed.
+
+    Raises:
+        AnalysisError: too short, not finite, or constant.
+    """
+    whole = ripple(samples, unit, channel or what)
+    step = counting_step(samples)
+    scatter = None
+    if marks is not None:
+        repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
+        scatter = scatter_of_periods(samples, repeats, step)
+    if scatter is not None:
+        whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
+    unknown = _without_periods(marks, repeated, no_periods) if scatter is None else ""
+    numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
+    return tuple(numbers)
+
+
+def _without_periods(
+    marks: NDArray[np.float64] | None, repeated: str = "electrical periods", no_periods: str = ""
+) -> str:
+    """Return why nothing tells how much numbers scatter."""
+    if marks is None:
+        return no_periods or "no angle, current or stated speed tells periods, whose scatter would tell it"
+    return (
+        f"the record has {len(marks) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
+        f"scatter: record longer"
+    )
+
+
+def peak_to_peak_number(
+    block: Block, channel: str, name: str, *, track: PhaseTrack | None = None, what: str = ""
+) -> Measurement:
+    """Return the peak-to-peak ripple alone of a channel, called `name`; arguments and errors of
+    `ripple_numbers`."""
+    require_unbroken(block)
+    samples = np.ascontiguousarray(block.column(channel))
+    whole = ripple(samples, block.unit(channel), channel)
+    scatter, step = None, counting_step(samples)
+    if track is not None:
+        repeats = Periods(track.period_rows())
+        scatter = scatter_of_periods(samples, repeats, step, percentiles=False)
+    basis = record_basis(block)
+    unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
+    clipped = clipping(samples) or standing(samples)
+    return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, channel, clipped)
+
+
+def _numbers(
+    samples: NDArray[np.float64],
+    whole: Ripple,
+    scatter: Scatter | None,
+    unknown: str,
+    step: float,
+    name: str,
+    what: str,
+    rated: float | None,
+    basis: Basis,
+    channel: str,
+) -> Iterator[Measurement]:
+    unit = whole.unit
+    clipped = clipping(samples) or standing(samples)
+    without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
+
+    def measured(
+        suffix: str,
+        text: str,
+        value: float,
+        error: MeanError | None,
+        floor: float,
+        sensitivities: Sensitivities,
+        bound: float = 0.0,
+        slow: float = 0.0,
+    ) -> Measurement:
+        full = f"{name}_{suffix}"
+        if clipped:
+            return Measurement.undefined(full, unit, text, clipped, basis)
+        if scatter is None or error is None:
+            why = unknown or _TOO_FEW_EXTREMES
+            return Measurement(
+                full, value, unit, text, basis, uncertainty_reason=why, sensitivities=sensitivities
+            )
+        budget = (
+            error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
+            Contribution(f"resolution {step:.3g} {unit}", "B", floor),
+            Contribution("noise too slow for the record", "B", slow),
+        )
+        source = f"{budget[0].name}, resolution"
+        lines = tuple(each for each in budget if each.standard != 0.0)
+        uncertain = combined(lines, source)
+        why = "" if uncertain is not None else TOO_SLOW
+        uncertain = _of_two_readings(uncertain, bound)
+        return Measurement(
+            full, value, unit, text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
+        )
+
+    # what noise turns into noise, the scatter holds already
+    of_mean = of_rms = 0.0
+    if scatter is not None and scatter.steps is not None:
+        of_mean, of_rms = scatter.steps.of_mean(), scatter.steps.of_rms
+    # noise too slow for the record moves its mean in place of its rms
+    taken = 0.0
+    if scatter is not None and whole.rms > 0.0 and math.isfinite(scatter.mean.standard):
+        taken = scatter.mean.standard**2 / (2.0 * whole.rms)
+    # steps add a twelfth of their square to the mean square
+    if scatter is None or scatter.steps is None or not scatter.steps.has_noise:
+        of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
+    mean = measured(
+        "mean",
+        f"mean of {what}{without}",
+        whole.mean,
+        scatter.mean if scatter else None,
+        of_mean,
+        Sensitivities.of_mean(channel, whole.mean),
+    )
+    yield mean
+    peak_to_peak = _peak_to_peak(
+        f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, channel, clipped
+    )
+    yield peak_to_peak
+    rms = measured(
+        "ripple_rms",
+        f"rms of {what} about its mean{without}",
+        whole.rms,
+        scatter.rms if scatter else None,
+        of_rms,
+        Sensitivities.of_rms(channel, whole.rms),
+        slow=taken,
+    )
+    yield rms
+    range_between = percentile_range(samples)
+    yield measured(
+        "ripple_percentile_range",
+        f"{HIGH_PERCENT:g}th minus {LOW_PERCENT:g}th percentile of {what}",
+        range_between,
+        scatter.percentile_range if scatter else None,
+        step / math.sqrt(6.0),
+        Sensitivities.of_extremes(channel, range_between),
+        step,
+        slow=taken * range_between / whole.rms if whole.rms > 0.0 else 0.0,
+    )
+    reason = clipped or _no_base(mean, whole, name)
+    for number in (peak_to_peak, rms):
+        yield _percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason, mean)
+    if rated is not None:
+        reason = clipped or ("" if rated > 0.0 else f"it is {rated:g} {unit}")
+        for number in (peak_to_peak, rms):
+            base = f"rated {name} of {rated:g} {unit}"
+            yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
+
+
+def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
+    """Return why no percentage of the mean is given; empty if the mean is far enough from zero."""
+    size = abs(whole.mean)
+    if size <= _SMALLEST_MEAN * whole.peak_to_peak:
+        return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
+    if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
+        return f"the mean {name} cannot be distinguished from zero"
+    return ""
+
+
+def _peak_to_peak(
+    name: str,
+    what: str,
+    whole: Ripple,
+    scatter: Scatter | None,
+    unknown: str,
+    step: float,
+    basis: Basis,
+    channel: str,
+    clipped: str = "",
+) -> Measurement:
+    text, value = f"maximum minus minimum of {what}", whole.peak_to_peak
+    if clipped:
+        return Measurement.undefined(name, whole.unit, text, clipped, basis)
+    sensed = Sensitivities.of_extremes(channel, value)
+    if scatter is None or not math.isfinite(scatter.peak_to_peak):
+        # a resolution beside a scatter that is not known would be stated as if it were all
+        few = _TOO_FEW_EXTREMES if scatter is None or scatter.periods < FEWEST_EXTREMES else _GROWS
+        why = unknown or few
+        return Measurement(name, value, whole.unit, text, basis, uncertainty_reason=why, sensitivities=sensed)
+    # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
+    budget = [Contribution(f"resolution {step:.3g} {whole.unit}", "B", step / math.sqrt(6.0))] if step else []
+    budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
+    source = (
+        f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
+        f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
+        f"{whole.unit}; a longer record reads more"
+    )
+    uncertain = _of_two_readings(combined(budget, source), step)
+    return Measurement(name, value, whole.unit, text, basis, uncertain, sensitivities=sensed)
+
+
+def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:
+    """Return the uncertainty of a difference of two readings, each on the nearest level of a converter.
+
+    Where the steps are most of it the reading is one of two, by how far the difference is from a whole number
+    of steps: for none of them does the error exceed a step, but for most of them it is near one at times.
+    """
+    if uncertain is None or not step > 0.0:
+        return uncertain
+    of_step = step / math.sqrt(6.0)
+    rest = math.sqrt(max(0.0, uncertain.experimental**2 - of_step**2))
+    return replace(uncertain, half_width=math.hypot(step, coverage_factor(uncertain.dof) * rest))
+
+
+def _percent(
+    number: Measurement,
+    prefix: str,
+    suffix: str,
+    base: float,
+    base_text: str,
+    reason: str,
+    base_number: Measurement | None = None,
+) -> Measurement:
+    which = "_rms" if number.name.endswith("_rms") else ""
+    name, text = f"{prefix}{which}_percent_{suffix}", f"100 x {number.name} / {base_text}"
+    basis = Basis(**{**vars(number.basis), "reference": base_text})
+    if reason:
+        return Measurement.undefined(name, "%", text, reason, basis)
+    scale, uncertain = 100.0 / base, None
+    if number.uncertainty is not None and (base_number is None or base_number.uncertainty is not None):
+        own = number.uncertainty
+        budget = [own.line(number.name, scale)]
+        width = None if own.half_width is None else scale * own.half_width
+        of_base = None if base_number is None else base_number.uncertainty
+        if base_number is not None and of_base is not None:
+            share = scale * number.value / base
+            budget.append(of_base.line(base_number.name, share))
+            width = None if width is None else math.hypot(width, share * of_base.expanded)
+        uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
+    why = number.uncertainty_reason or (base_number.uncertainty_reason if base_number is not None else "")
+    value, why = scale * number.value, why if uncertain is None else ""
+    return Measurement(
+        name,
+        value,
+        "%",
+        text,
+        basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=_of_percent(number, scale, base_number),
+    )
+
+
+def _of_percent(number: Measurement, scale: float, mean: Measurement | None) -> Sensitivities:
+    """Return those of a ripple in percent of a `mean`, whose gain is the ripple's, or of a rated value."""
+    whole = number.sensitivities
+    parts = tuple(
+        Sensitivity(
+            each.channel,
+            scale * each.gain if mean is None else 0.0,
+            0.0 if mean is None else -scale * number.value / mean.value,
+            scale * each.resolution,
+        )
+        for each in whole.channels or ()
+    )
+    return replace(whole, channels=parts)

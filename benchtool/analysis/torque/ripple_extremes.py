@@ -1,0 +1,153 @@
+"""By how much the peak-to-peak of a ripple differs from record to record, by the extremes of its periods."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
+from benchtool.analysis.statistics.maxima import (
+    ends_before_normal,
+    is_no_heavier_than_normal,
+    scatter_of_heap,
+    scatter_of_largest_maximum,
+    scatter_of_largest_normal,
+)
+from benchtool.analysis.statistics.scatter import (
+    FEWEST_EXTREMES,
+    neighbours_alike,
+    scatter_of_largest,
+    tail_index,
+)
+
+Floats = NDArray[np.float64]
+
+FEWEST_PERIODS = 3
+"""Fewest periods whose scatter is used."""
+
+_SAMPLES_OF_TAIL = 1 << 17
+_IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
+_ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
+_OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
+
+
+@dataclass(frozen=True)
+class Tails:
+    """Index of the tails of what differs from period to period, whether they are no heavier than normal, and
+    the standard deviation of the largest of all samples of normal noise that differs from one to the next, 0
+    where none shows: where a ripple leaves fewer near the largest, it is more."""
+
+    index: float
+    is_light: bool
+    of_normal: float
+
+    @staticmethod
+    def of(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Tails:
+        """Return those of samples, shape (n,), whose periods begin at rows and have counts, both of shape
+        (periods,), unless deviations from the periods' mean or second differences show none."""
+        # edges that repeat leave no deviations, and a slope that falls beside its place no second differences
+        both = _deviations(samples, begin, counts), np.diff(samples, 2)
+        index = min(map(tail_index, both))
+        is_light = not index and any(map(is_no_heavier_than_normal, both))
+        # of independent values second differences have six times the variance
+        of_normal = scatter_of_largest_normal(both[1], len(samples)) / math.sqrt(6.0)
+        about_mean, noise_rms = samples - np.mean(samples), float(np.std(both[1])) / math.sqrt(6.0)
+        if float(np.std(samples)) < _IS_NOISE * noise_rms and ends_before_normal(about_mean):
+            of_normal = 0.0
+        return Tails(index, is_light, of_normal)
+
+
+def extremes_of_ripple(
+    samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails, step: float = 0.0
+) -> float:
+    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
+    samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
+    those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
+    falls over the whole record, as in part of a beat: what it comes to is not told. Values in heaps that are
+    no `step` of a converter, whose resolution is elsewhere, end in the next heap or not."""
+    found = [
+        [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
+        [_about_course(each) for each in _extremes_of_periods(samples, begin)],
+    ]
+    is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
+    largest, least = found[0] if is_told else found[1]
+    if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
+        return math.nan
+    heaps = [scatter_of_heap(each) for each in _extremes_of_periods(samples, begin)]
+    if any(heaps) and not step > 0.0:
+        both = (of_heap or each.scatter(0.0) for of_heap, each in zip(heaps, (largest, least), strict=True))
+        return math.hypot(*both)
+    together = _grow_together(largest.values, least.values)
+    if tails.is_light and not together and largest.is_plain and least.is_plain:
+        both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))
+        return math.hypot(*both)
+    apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
+    if together or len(begin) <= _FEW_EXTREMES:
+        # what makes both extremes larger together scatters as their difference does
+        apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
+    return apart
+
+
+def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
+
+
+def _grows_throughout(spans: Floats) -> bool:
+    """Return whether a curve of less than a cycle, and no chance, explains spans of periods, shape
+    (periods,)."""
+    if len(spans) < FEWEST_PERIODS or neighbours_alike(spans) <= _ALIKE:
+        return False
+    number = np.arange(len(spans))
+    rest = spans - Polynomial.fit(number, spans, _OF_A_CYCLE)(number)
+    return bool(np.var(rest) < _LEFT * np.var(spans))
+
+
+@dataclass(frozen=True)
+class _Maxima:
+    """Largest values of each period, shape (periods,), about their course, if they have one."""
+
+    values: Floats
+    has_course: bool = False
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether they are enough, and none is like its neighbours."""
+        is_enough = len(self.values) >= FEWEST_EXTREMES
+        return is_enough and not self.has_course and neighbours_alike(self.values) <= _TOGETHER
+
+    def scatter(self, tail: float) -> float:
+        """Return the standard deviation of the largest of all over records; on a course one of few is it."""
+        of_largest = scatter_of_largest(self.values, tail)
+        return max(of_largest, float(np.std(self.values, ddof=1))) if self.has_course else of_largest
+
+
+def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
+    """Return values, shape (n,), about the course of few constants that explains how neighbours are alike, if
+    one does; they may have had one already."""
+    size = float(np.max(np.abs(values)))
+    if len(values) < FEWEST_PERIODS or not size > 0.0 or neighbours_alike(values) <= _ALIKE:
+        return _Maxima(values, has_course)
+    middle = float(np.mean(values))
+    trend = amplitude_trend(1.0 + (values - middle) / size)
+    return _Maxima(values, has_course) if trend is None else _Maxima(middle + size * trend.rest, True)
+
+
+def _grow_together(one: Floats, other: Floats) -> bool:
+    """Return whether values of equal periods, shape (n,), are correlated by more than chance."""
+    if not min(np.std(one), np.std(other)) > 0.0:
+        return False
+    return bool(math.sqrt(len(one)) * np.corrcoef(one, other)[0, 1] > _TOGETHER)
+
+
+def _deviations(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Floats:
+    """Return deviations of samples from the mean of all periods at the same place in them; of a long record,
+    those of its first periods."""
+    taken = min(len(begin), max(FEWEST_PERIODS, _SAMPLES_OF_TAIL // int(np.max(counts)) + 1))
+    length = int(np.min(counts))
+    rows = begin[:taken, np.newaxis] + np.arange(length)
+    table = samples[np.minimum(rows, len(samples) - 1)]
+    return np.asarray(table - np.mean(table, axis=0)).ravel()

@@ -1,0 +1,169 @@
+"""Slow sinusoids of a signal that repeats: what is once per revolution, or in step with nothing, is no noise.
+
+Means over periods differ by what is slower than a period. Where that is a few sinusoids it is known, and
+moves the mean of a record only by their incomplete cycles; what is left over is the noise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+
+from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.spectra.around_lines import surrounded
+from benchtool.analysis.spectra.spectral_window import spectral_window
+from benchtool.analysis.statistics.scatter import BLOCKS, means_of_blocks
+
+Floats = NDArray[np.float64]
+
+_MOST_LINES, _ROUNDS = 8, 2  # beside those of a revolution; harmonics show once the largest are away
+_MOST_BLOCKS = 1 << 15  # of many periods, more of which are not looked at
+_LOWEST, _FEWEST_BLOCKS = 3, 64  # cycles in the record under a Hann window; blocks
+_STANDS_OUT = 6.0  # of the noise's rms amplitude
+_BY_CHANCE, _FEWEST_DOF = 1e-4, 3
+_LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
+_FINER, _TURNS = 2, 4  # rounds of the fits
+_CHUNK = 1 << 13
+
+
+@dataclass(frozen=True)
+class SlowLines:
+    """Sinusoids of `cycles` over the record, shape (lines,); `cosine` and `sine` are their amplitudes, about
+    the constant `mean`. Noise moves that `of_mean` times as much as it moves a mean without them."""
+
+    mean: float
+    cycles: Floats
+    cosine: Floats
+    sine: Floats
+    of_mean: float = 1.0
+
+    @property
+    def mean_square(self) -> float:
+        """That of their sum, over whole cycles of all."""
+        return 0.5 * float(np.sum(self.cosine**2 + self.sine**2))
+
+    @property
+    def are_apart(self) -> bool:
+        """Whether each is more than a cycle away from the next, and from the mean."""
+        return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
+
+    def mean_at(self, place: Floats) -> float:
+        """Return the mean of their sum at places, shape (n,), and no more than incomplete cycles make it: the
+        rounding of few rows in a period to whole ones may beat with a line."""
+        most = np.minimum(1.0, 1.0 / (np.pi * self.cycles)) @ np.hypot(self.cosine, self.sine)
+        return float(np.clip(np.mean(self.at(place)), -most, most))
+
+    def at(self, place: Floats) -> Floats:
+        """Return their sum without the constant, at places from 0 to 1 in the record, shape (n,)."""
+        found = np.empty(len(place))
+        for start in range(0, len(place), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            turned = 2.0 * np.pi * np.outer(place[rows], self.cycles)
+            found[rows] = np.cos(turned) @ self.cosine + np.sin(turned) @ self.sine
+        return found
+
+
+def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int = 1) -> SlowLines | None:
+    """Return the sinusoids of samples, shape (n,), that are slower than a period and stand out of the noise.
+
+    `place`, shape (n,), is where the samples are in what repeats, from 0 to 1, increasing nearly evenly: in
+    angle where that is known. A revolution has `per_revolution` periods: its orders are fitted also where the
+    record has few of it. Others are sought in a spectrum under a Hann window.
+    """
+    if len(samples) < max(_FEWEST_BLOCKS, 2 * periods) or 2 * periods > _MOST_BLOCKS:
+        return None
+    values, at = _aligned(samples, place, periods)
+    cycles = _of_revolution(values, at, periods, per_revolution)
+    for _ in range(_ROUNDS):
+        _, rest = _fitted(values, at, cycles, periods)
+        more = _beside(rest, periods, _MOST_LINES + per_revolution - len(cycles))
+        if not len(more):
+            break
+        cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles), periods)
+    return _fitted(values, at, cycles, periods)[0] if len(cycles) else None
+
+
+def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats]:
+    """Return the means of blocks of samples, as many in each period and two at least, and their places."""
+    blocks = max(BLOCKS, 2 * periods)
+    values = means_of_blocks(samples, periods, blocks)
+    if len(values) < len(samples) and len(values) % periods == 0:
+        return values, means_of_blocks(place, periods, blocks)
+    count = len(values) // periods * periods
+    at: Floats = (np.arange(count) + 0.5) / count
+    return np.asarray(np.interp(at, place, samples)), at
+
+
+def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[SlowLines, Floats]:
+    """Return the lines by least squares, and what neither they nor what each period repeats explain.
+
+    Both by turns: over part of a cycle a line is not orthogonal to the harmonics of the period, which are far
+    larger, and there are too many of these to fit them as well.
+    """
+    repeated, rest = np.zeros(len(values)), values
+    turned = 2.0 * np.pi * np.outer(place, cycles)
+    basis = np.concatenate([np.ones((len(place), 1)), np.cos(turned), np.sin(turned)], axis=1)
+    inverse = np.linalg.pinv(basis)
+    found = inverse @ values
+    for _ in range(_TURNS):
+        found = inverse @ (values - repeated)
+        rest = values - basis @ found
+        repeated = np.tile(np.mean(rest.reshape(periods, -1), axis=0), periods)
+    cosine, sine = found[1 : 1 + len(cycles)], found[1 + len(cycles) :]
+    of_mean = math.sqrt(len(place) * float(inverse[0] @ inverse[0]))
+    return SlowLines(float(found[0]), cycles, cosine, sine, of_mean), rest - repeated
+
+
+def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: int) -> Floats:
+    """Return the orders of a revolution, in cycles over the record, of which noise as in the other bins below
+    the period would make one as large once in ten thousand records."""
+    cycles: Floats = np.arange(1.0, per_revolution) * (periods / per_revolution)
+    cycles = cycles[cycles >= _LEAST_CYCLES]
+    freedom = periods - 1 - len(cycles)
+    if not len(cycles) or freedom < _FEWEST_DOF:
+        return np.empty(0)
+    found, rest = _fitted(values, place, cycles, periods)
+    bins = fft.rfft(rest)[1:periods] / len(rest)
+    of_noise = 4.0 * float(np.sum(np.abs(bins) ** 2)) / freedom
+    if not of_noise > 0.0:
+        return cycles
+    power = found.cosine**2 + found.sine**2
+    stands_out = [fisher_above(2.0, 2.0 * freedom, float(each) / of_noise) < _BY_CHANCE for each in power]
+    return np.asarray(cycles[np.array(stands_out)])
+
+
+def _beside(rest: Floats, periods: int, most: int) -> Floats:
+    """Return the cycles of the largest lines of a spectrum that are slower than a period, at most so many."""
+    weights = spectral_window("hann", len(rest))
+    bins = fft.rfft((rest - np.mean(rest)) * weights) * (2.0 / float(np.sum(weights)))
+    size = np.abs(bins)
+    inner = np.arange(_LOWEST, min(periods - 1, len(size) - 1))
+    peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
+    peaks = peaks[np.argsort(-size[peaks])][: max(0, most)]
+    found = [surrounded(bins, size, int(peak)) for peak in peaks]
+    return np.array([each.place for each in found if each.amplitude > _STANDS_OUT * each.noise])
+
+
+def _finer(values: Floats, place: Floats, cycles: Floats, known: int, periods: int) -> Floats:
+    """Return the cycles by least squares, all but the first `known`, which are."""
+    cycles = cycles.copy()
+    free = slice(known, None)
+    for _ in range(_FINER):
+        found, rest = _fitted(values, place, cycles, periods)
+        turned = 2.0 * np.pi * np.outer(place, cycles)
+        slope = (
+            2.0
+            * np.pi
+            * (place - 0.5)[:, np.newaxis]
+            * (found.sine * np.cos(turned) - found.cosine * np.sin(turned))
+        )
+        basis = np.concatenate(
+            [np.ones((len(place), 1)), np.cos(turned), np.sin(turned), slope[:, free]], axis=1
+        )
+        moved = np.linalg.lstsq(basis, rest, rcond=None)[0][1 + 2 * len(cycles) :]
+        cycles[free] += np.clip(moved, -0.5, 0.5)
+    return cycles

@@ -1,0 +1,260 @@
+"""Torque and its ripple: the drive's estimate, and the torque of a transducer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from numpy.polynomial import Polynomial
+
+from benchtool.analysis.crop import crop_to
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
+from benchtool.analysis.drawings import STEADY, TORQUE, WAVEFORMS
+from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
+from benchtool.analysis.torque.ripple import ripple_numbers
+from benchtool.analysis.uncertainty import combined
+from benchtool.analysis.window import Window
+from benchtool.block import Block
+
+
+def torque_ripple(
+    block: Block,
+    channel: str = "torque",
+    *,
+    torque_rated_Nm: float | None = None,
+    track: PhaseTrack | None = None,
+    pole_pairs: int = 1,
+    what: str = "",
+) -> tuple[Measurement, ...]:
+    """Return mean torque and torque ripple of one channel, in Nm: `ripple_numbers` under the names torque_*.
+
+    `torque_rated_Nm` is the base of the numbers "of rated", which are left out without it. The other
+    arguments and the errors are those of `ripple_numbers`.
+    """
+    return ripple_numbers(
+        block, channel, "torque", rated=torque_rated_Nm, track=track, pole_pairs=pole_pairs, what=what
+    )
+
+
+def transducer_torque(
+    transducer: Block,
+    block: Block,
+    *,
+    estimate: Measurement | None = None,
+    torque_rated_Nm: float | None = None,
+    track: PhaseTrack | None = None,
+    pole_pairs: int = 1,
+) -> tuple[Measurement, ...]:
+    """Return the mean and ripple of the torque that a transducer measured, and the error of the drive's
+    estimate of it.
+
+    The numbers are those of `torque_ripple` under the names transducer_torque_*.
+
+    Args:
+        transducer: channel torque_transducer, at any rate, covering the time of `block`.
+        block: the capture, without gaps.
+        estimate: `torque_mean` of `block`; torque_error is left out without it.
+        torque_rated_Nm: the base of the numbers "of rated", which are left out without it.
+        track: phase over the rows of `block`.
+        pole_pairs: electrical periods in a mechanical revolution.
+
+    Raises:
+        AnalysisError: a gap, a time that is not covered, or a dead signal.
+    """
+    inside = crop_to(transducer, block)
+    rows = None if track is None else _at_rows_of(track, inside, block)
+    first = (inside.first_tick - transducer.first_tick) // transducer.stride
+    what = (
+        f"torque_transducer in its rows {first} to {first + len(inside.data) - 1} (from 0), those at tick x "
+        f"tick_s from the capture's first row to one row past its last"
+    )
+    numbers = ripple_numbers(
+        inside,
+        "torque_transducer",
+        "transducer_torque",
+        rated=torque_rated_Nm,
+        track=rows,
+        pole_pairs=pole_pairs,
+        what=what,
+    )
+    if estimate is None:
+        return numbers
+    mean, uncertain = numbers[0], None
+    if estimate.uncertainty is not None and mean.uncertainty is not None:
+        both = {"estimate": estimate.uncertainty, "transducer": mean.uncertainty}
+        parts = [u.line(f"mean of the {name}") for name, u in both.items()]
+        uncertain = combined(parts, "those of both means, taken as independent")
+    text = f"mean of the drive's estimate torque minus mean of {what}"
+    error_Nm = estimate.value - mean.value
+    reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
+    basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
+    why = "" if uncertain is not None else estimate.uncertainty_reason or mean.uncertainty_reason
+    error = Measurement(
+        "torque_error",
+        error_Nm,
+        "Nm",
+        text,
+        basis,
+        uncertain,
+        uncertainty_reason=why,
+        sensitivities=Sensitivities(
+            (
+                Sensitivity("torque", estimate.value, 1.0, OF_MEAN_STEP),
+                Sensitivity("torque_transducer", -mean.value, -1.0, OF_MEAN_STEP),
+            )
+        ),
+    )
+    return (*numbers, error)
+
+
+def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
+    """Return the same phase over the rows of a block of another rate."""
+    step_s, coarse_step_s = fine.stride * fine.tick_s, coarse.stride * coarse.tick_s
+    offset_s = fine.first_tick * fine.tick_s - coarse.first_tick * coarse.tick_s
+    row = Polynomial([offset_s / coarse_step_s, step_s / coarse_step_s])
+    return PhaseTrack(track.phase(row), len(fine.data), track.source, track.residual_rad)
+
+
+_NUMBERS: Final = (
+    (
+        ("mean",),
+        "Nm",
+        "mean(x), less what the incomplete last period makes of it, by as much of each whole one, and "
+        "incomplete cycles of sinusoids slower than a period",
+        "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
+        "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
+        "that, or by the density continued to zero frequency where that is 1.4 times as much (none where it "
+        "rises more steeply than that of 1/f noise), less where it probably falls there; by how much what "
+        "was taken out differs from period to period; resolution that repeats",
+    ),
+    (
+        ("ripple_pp",),
+        "Nm",
+        "max(x) - min(x)",
+        "how much the peak-to-peak of another record of this length differs: of the largest of the periods' "
+        "maxima and of minima by the generalised extreme value distribution of their L-moments, over all its "
+        "shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
+        "pi / sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest over the next, over that of scale 1 "
+        "(Gumbel's distribution; of heavy tails Fréchet's), and that of max - min where both grow together; "
+        "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the "
+        "ripple grows or falls over the whole record; "
+        "and resolution / sqrt(6), in U a whole step",
+    ),
+    (
+        ("ripple_rms",),
+        "Nm",
+        "sqrt(mean((x - mean(x))^2)), less the same as of the mean",
+        "likewise of the periods' mean squares, over 2 rms; u(mean)^2 / (2 rms), by noise that moves the "
+        "mean in place of the rms",
+    ),
+    (
+        ("ripple_percentile_range",),
+        "Nm",
+        "99.5th - 0.5th percentile",
+        "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids and of a "
+        "drift, x what the percentile moves with them x sqrt(tau / N_p), or by the density at zero frequency "
+        "that does not fall; up to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, "
+        "hold what is beyond; 1.5 s of those of eighths of the record / sqrt(8) besides, where "
+        "neighbours have ripple of like size; where in a slow cycle the record begins; resolution / sqrt(6), "
+        "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods",
+    ),
+    (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
+    (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),
+    (("ripple_percent_of_rated",), "%", "100 pp / T_N", "that of pp"),
+    (("ripple_rms_percent_of_rated",), "%", "100 rms / T_N", "that of rms"),
+)
+_LABELS: Final = {"torque_ripple_pp": "ripple"}
+_HEADLINE: Final = ("torque_ripple_pp", "transducer_torque_ripple_pp")
+
+
+def _quantities(of: str) -> tuple[Quantity, ...]:
+    """Return the mean and ripple under the names OF_mean, OF_ripple_pp, ..."""
+    return tuple(
+        Quantity(
+            names := tuple(f"{of}_{each}" for each in ends),
+            unit,
+            formula,
+            uncertainty,
+            label=_LABELS.get(names[0], ""),
+            headline=names[0] in _HEADLINE,
+        )
+        for ends, unit, formula, uncertainty in _NUMBERS
+    )
+
+
+def _of_estimate(window: Window) -> tuple[Measurement, ...]:
+    """Return the mean and ripple of the drive's estimate."""
+    what = "the drive's estimate torque"
+    return torque_ripple(
+        window.block,
+        torque_rated_Nm=window.torque_rated_Nm,
+        track=window.track,
+        pole_pairs=window.pole_pairs,
+        what=what,
+    )
+
+
+def _of_transducer(window: Window) -> tuple[Measurement, ...]:
+    """Return mean and ripple of the transducer's torque and, if there is an estimate, its error."""
+    assert window.transducer is not None
+    estimate = window.cached(_of_estimate)[0] if "torque" in window.block.names else None
+    return transducer_torque(
+        window.transducer,
+        window.block,
+        estimate=estimate,
+        torque_rated_Nm=window.torque_rated_Nm,
+        track=window.track,
+        pole_pairs=window.pole_pairs,
+    )
+
+
+def _measure_ripple(window: Window, _: NoSettings) -> Findings:
+    return Findings(window.cached(_of_estimate))
+
+
+def _measure_true_ripple(window: Window, _: NoSettings) -> Findings:
+    found = window.cached(_of_transducer)
+    return Findings(tuple(each for each in found if each.name != "torque_error"))
+
+
+def _measure_error(window: Window, _: NoSettings) -> Findings:
+    found = window.cached(_of_transducer)
+    return Findings(tuple(each for each in found if each.name == "torque_error"))
+
+
+TORQUE_RIPPLE: Final = Analysis(
+    name="torque_ripple",
+    title="torque ripple",
+    measure=_measure_ripple,
+    quantities=_quantities("torque"),
+    settings=NoSettings,
+    channels=("torque",),
+    figures=(WAVEFORMS,),
+    comparisons=(TORQUE, STEADY),
+)
+TRANSDUCER_TORQUE_RIPPLE: Final = Analysis(
+    name="transducer_torque_ripple",
+    title="torque ripple on the shaft",
+    measure=_measure_true_ripple,
+    quantities=_quantities("transducer_torque"),
+    settings=NoSettings,
+    transducer=True,
+)
+TORQUE_ERROR: Final = Analysis(
+    name="torque_error",
+    title="error of the torque estimate",
+    measure=_measure_error,
+    quantities=(
+        Quantity(
+            ("torque_error",),
+            "Nm",
+            "mean of the estimate - mean of the transducer",
+            "both means', of the rows above",
+        ),
+    ),
+    settings=NoSettings,
+    channels=("torque",),
+    transducer=True,
+)

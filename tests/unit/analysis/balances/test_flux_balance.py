@@ -1,0 +1,174 @@
+"""Parameters by the flux balance, from a machine that another formulation integrates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from benchtool.analysis import Window
+from benchtool.analysis.balances.angle import smooth_angle
+from benchtool.analysis.balances.flux_balance import (
+    ESTIMATED,
+    FLUX_BALANCE,
+    FluxBalance,
+    FluxBalanceSettings,
+    flux_balance,
+)
+from benchtool.analysis.balances.motion_balance import motion_balance
+from benchtool.analysis.balances.whitening import Whitening
+from benchtool.block import Block
+from benchtool.errors import AnalysisError
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
+from tests.unit.analysis.excited_machine import T_S, Excitation, Truth, capture, motor_with
+
+FLAWED = Truth(
+    motor_with(R_s_ohm=0.14, L_d_H=8e-3, L_q_H=13e-3, psi_r_Wb=0.11, J_kgm2=8e-4),
+    friction_Nms=1e-3,
+    coulomb_Nm=0.05,
+    dead_time_V=1.5,
+    encoder_offset_rad=0.08,
+    gains=(1.01, 0.99, 1.0),
+)
+STEADY = Excitation(i_q_Hz=0.0, i_d_A=0.0, speed_rad_s=60.0)
+
+
+def truth_of(truth: Truth) -> dict[str, float]:
+    motor = truth.motor
+    return {
+        "R_s": motor.R_s_ohm,
+        "L_d": motor.L_d_H,
+        "L_q": motor.L_q_H,
+        "psi_r": motor.psi_r_Wb,
+        "encoder_offset": truth.encoder_offset_rad,
+        "dead_time_voltage": truth.dead_time_V,
+        **{f"current_gain_{phase}": gain - 1.0 for phase, gain in zip("abc", truth.gains, strict=True)},
+    }
+
+
+def errors_in_uncertainties(found: FluxBalance, truth: Truth) -> list[float]:
+    true = truth_of(truth)
+    return [(found.solution.value(n) - true[n]) / found.solution.standard(n) for n in ESTIMATED]
+
+
+def without(block: Block, **columns: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Block:
+    data = np.array(block.data)
+    for name, values in columns.items():
+        data[:, block.names.index(name)] = values
+    return replace(block, data=data)
+
+
+@cache
+def turning() -> Block:
+    """The machine as it is believed, its speed held."""
+    return capture(Truth(), Excitation(speed_rad_s=60.0), 2000)
+
+
+def test_all_parameters_of_a_flawed_machine_are_found_from_a_wrong_belief() -> None:
+    block = capture(FLAWED, Excitation(), 4000)
+    found = flux_balance(block, EXAMPLE_MOTOR)
+    true = truth_of(FLAWED)
+    for name in ("R_s", "L_d", "L_q", "psi_r", "dead_time_voltage"):
+        tolerance = {"R_s": 0.05, "dead_time_voltage": 0.01}.get(name, 2e-3)
+        assert found.solution.value(name) == pytest.approx(true[name], rel=tolerance), name
+    assert found.solution.value("encoder_offset") == pytest.approx(0.08, abs=1e-3)
+    assert all(found.solution.told(name) for name in ESTIMATED)
+    with_estimate, with_belief = found.error_A
+    assert with_estimate < 0.015 < 2.0 * with_estimate < with_belief
+    motion = motion_balance(block, EXAMPLE_MOTOR, found).solution
+    assert motion.value("J") == pytest.approx(8e-4, rel=0.01)
+
+
+def test_the_uncertainty_covers_the_error() -> None:
+    rng, z = np.random.default_rng(7), []
+    for seed in range(6):
+        motor = motor_with(
+            R_s_ohm=rng.uniform(0.05, 0.2), L_q_H=rng.uniform(8e-3, 15e-3), psi_r_Wb=rng.uniform(0.09, 0.12)
+        )
+        truth = Truth(motor, dead_time_V=rng.uniform(0.2, 2.0), encoder_offset_rad=rng.uniform(-0.1, 0.1))
+        z += errors_in_uncertainties(
+            flux_balance(capture(truth, Excitation(), 1500, seed), EXAMPLE_MOTOR), truth
+        )
+    assert 0.6 < math.sqrt(float(np.mean(np.square(z)))) < 1.5
+    assert np.mean(np.abs(z) < 2.0) > 0.88
+
+
+def test_noise_of_the_currents_does_not_pull_inductances_down() -> None:
+    """Least squares over single ticks would: the noise of a change is as large as the change."""
+    noisy = replace(FLAWED, noise_A=0.08, gains=(1.0, 1.0, 1.0), dead_time_V=0.0)
+    found = flux_balance(capture(noisy, Excitation(), 4000), EXAMPLE_MOTOR).solution
+    for name, true in (("L_d", 8e-3), ("L_q", 13e-3)):
+        assert abs(found.value(name) - true) < 3.0 * found.standard(name) < 0.03 * true
+
+
+def test_one_steady_state_does_not_tell_apart_what_takes_a_second_torque() -> None:
+    block = capture(Truth(), STEADY, 2000)
+    measured = FLUX_BALANCE.measure(Window.of(block, EXAMPLE_MOTOR), FluxBalanceSettings()).measurements
+    reasons = {each.name.removeprefix("flux_balance_"): each.reason for each in measured}
+    assert "psi_r" in reasons["R_s"]
+    assert "a second torque" in reasons["R_s"]
+    assert "R_s" in reasons["psi_r"]
+    assert all(math.isnan(each.value) for each in measured if each.reason)
+
+
+@pytest.mark.parametrize(
+    ("change", "seen"),
+    [
+        (lambda b: without(b, i_b=b.column("i_c"), i_c=b.column("i_b")), "order of the phases"),
+        (lambda b: without(b, theta_m=np.mod(-b.column("theta_m"), 2.0 * np.pi)), "encoder"),
+        (lambda b: without(b, u_alpha=0.0 * b.column("u_alpha"), u_beta=0.0 * b.column("u_beta")), "enabled"),
+        (lambda b: replace(b, stride=2), "stride = 1"),
+        (lambda b: replace(b, data=b.data[:100]), "record longer"),
+        (lambda b: without(b, i_a=np.clip(b.column("i_a"), -1.0, 1.0)), "clipped"),
+    ],
+    ids=["phases swapped", "encoder reversed", "drive off", "every second tick", "short", "clipped"],
+)
+def test_a_capture_that_cannot_answer_is_refused_with_a_remedy(change: object, seen: str) -> None:
+    assert callable(change)
+    with pytest.raises(AnalysisError, match=seen):
+        flux_balance(change(turning()), EXAMPLE_MOTOR)
+
+
+def test_wrong_pole_pairs_are_named() -> None:
+    with pytest.raises(AnalysisError, match="pole pairs"):
+        flux_balance(turning(), motor_with(pole_pairs=5))
+
+
+def test_whitened_errors_have_the_likelihood_of_their_covariance() -> None:
+    rng = np.random.default_rng(3)
+    share, rows = 0.04, 30
+    covariance = np.zeros((rows, rows))
+    for k in range(rows):
+        covariance[k, k] = 2.0 + share
+        if k + 1 < rows:
+            covariance[k, k + 1] = covariance[k + 1, k] = -1.0
+    errors = rng.multivariate_normal(np.zeros(rows), covariance)
+    filter_ = Whitening.of(np.zeros(rows, dtype=np.bool_), share)
+    innovations = filter_.filtered(errors.astype(np.complex128)).real / filter_.scale
+    by_filter = -0.5 * float(np.sum(innovations**2 + np.log(2.0 * np.pi * filter_.scale**2)))
+    assert by_filter == pytest.approx(multivariate_normal(np.zeros(rows), covariance).logpdf(errors))
+
+
+def test_a_stretch_begins_again_behind_a_period_that_is_left_out() -> None:
+    left_out = np.zeros(20, dtype=np.bool_)
+    left_out[9] = True
+    whole, part = Whitening.of(left_out, 0.1), Whitening.of(left_out[10:], 0.1)
+    assert np.isinf(whole.scale[9])
+    assert whole.scale[10:] == pytest.approx(part.scale)
+    assert whole.carried[10:] == pytest.approx(part.carried)
+
+
+def test_the_angle_between_the_steps_of_an_encoder_is_smooth() -> None:
+    t = T_S * np.arange(5000)
+    angle = 3.0 * t + 2.0 * np.sin(2.0 * np.pi * 4.0 * t)
+    step = 2.0 * np.pi / 10_000
+    read = np.mod((np.floor(angle / step) + 0.5) * step, 2.0 * np.pi)
+    smooth = smooth_angle(read)
+    smooth -= 2.0 * np.pi * round(float(np.mean(smooth - angle)) / (2.0 * np.pi))
+    assert np.sqrt(np.mean((smooth - angle) ** 2)) < 0.3 * step / math.sqrt(12.0)
+    exact = np.sqrt(np.linspace(0.0, 9.0, 100))
+    assert smooth_angle(exact) == pytest.approx(exact)

@@ -1,0 +1,52 @@
+"""Inertia and friction by the balance of torque."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from benchtool.analysis import Window
+from benchtool.analysis.balances.flux_balance import flux_balance
+from benchtool.analysis.balances.motion_balance import MOTION_BALANCE, MotionBalanceSettings, motion_balance
+from benchtool.errors import AnalysisError
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
+from tests.unit.analysis.excited_machine import Excitation, Truth, capture, motor_with
+
+FREE = Excitation(i_q_A=1.5, i_q_Hz=3.0, i_d_A=0.5)
+
+
+def test_inertia_and_friction_of_a_free_shaft_are_found() -> None:
+    truth = Truth(motor_with(J_kgm2=2e-3), friction_Nms=4e-3, coulomb_Nm=0.04)
+    block = capture(truth, FREE, 6000)
+    found = motion_balance(block, EXAMPLE_MOTOR, flux_balance(block, EXAMPLE_MOTOR)).solution
+    assert found.value("J") == pytest.approx(2e-3, rel=0.01)
+    for name, true in (("friction", 4e-3), ("coulomb", 0.04)):
+        assert abs(found.value(name) - true) < 3.0 * found.standard(name) + 0.02 * true
+
+
+def test_cogging_of_a_known_order_is_told_from_the_inertia() -> None:
+    """Taken for none, the inertia comes out some ten percent off, with much less for its uncertainty."""
+    truth = Truth(motor_with(J_kgm2=2e-3), coulomb_Nm=0.04, cogging_Nm=0.5, cogging_order=8)
+    block = capture(truth, FREE, 6000)
+    flux = flux_balance(block, EXAMPLE_MOTOR)
+    without = motion_balance(block, EXAMPLE_MOTOR, flux).solution
+    found = motion_balance(block, EXAMPLE_MOTOR, flux, (8,)).solution
+    assert abs(without.value("J") / 2e-3 - 1.0) > 0.05
+    assert found.value("J") == pytest.approx(2e-3, rel=0.01)
+    waves = [found.value(f"cogging_8_{wave}") for wave in ("cos", "sin")]
+    assert math.hypot(*waves) == pytest.approx(0.5, rel=0.03)
+
+
+def test_a_shaft_whose_speed_is_held_tells_no_inertia() -> None:
+    block = capture(Truth(), Excitation(speed_rad_s=60.0), 3000)
+    window = Window.of(block, EXAMPLE_MOTOR)
+    inertia, *_ = MOTION_BALANCE.measure(window, MotionBalanceSettings()).measurements
+    assert math.isnan(inertia.value)
+    assert "turns freely" in inertia.reason
+
+
+def test_a_shaft_that_hardly_turns_is_refused() -> None:
+    block = capture(Truth(), Excitation(i_q_A=2.0, i_q_Hz=150.0), 1500)
+    with pytest.raises(AnalysisError, match="turn it faster"):
+        motion_balance(block, EXAMPLE_MOTOR, flux_balance(block, EXAMPLE_MOTOR))

@@ -1,0 +1,175 @@
+"""Circles, offset circles and hexagons as flux trajectories."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from numpy.typing import NDArray
+
+from benchtool.analysis.flux.trajectory import flux_trajectory
+from benchtool.analysis.measurement import Measurement
+from benchtool.block import Block, Channel
+from benchtool.errors import AnalysisError
+
+CHANNELS = (Channel("psi_alpha", "Wb"), Channel("psi_beta", "Wb"))
+ROWS = 5000
+
+
+def _turns(turns: float) -> NDArray[np.float64]:
+    return 2 * np.pi * turns * np.arange(ROWS) / ROWS + 0.3
+
+
+def _measured(psi: NDArray[np.complex128]) -> dict[str, float]:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return {each.name: each.value for each in flux_trajectory(block)}
+
+
+@given(
+    st.floats(0.01, 1.0),
+    st.floats(0.0, 0.2),
+    st.floats(-3.0, 3.0),
+    st.floats(2.1, 9.0),
+    st.sampled_from([1.0, -1.0]),
+)
+def test_an_offset_circle_in_either_direction(
+    radius: float, offset: float, towards: float, turns: float, sense: float
+) -> None:
+    centre = offset * radius * np.exp(1j * towards)
+    found = _measured(centre + radius * np.exp(sense * 1j * _turns(turns)))
+    assert found["flux_centre_offset"] == pytest.approx(abs(centre), abs=1e-3 * radius)
+    assert found["flux_radius_pp"] == pytest.approx(2 * abs(centre), abs=2e-3 * radius)
+    assert found["flux_radius_order_6"] < 1e-3 * radius
+    assert found["flux_radius_rms"] == pytest.approx(abs(centre) / np.sqrt(2), rel=2e-2, abs=1e-6)
+
+
+def test_the_basis_is_the_whole_revolutions() -> None:
+    psi = np.exp(1j * _turns(5.5))
+    block = Block(CHANNELS, 0, 2, 1e-4, np.column_stack([psi.real, psi.imag]))
+    for each in flux_trajectory(block):
+        basis = each.basis
+        assert basis is not None
+        assert basis.samples is not None
+        assert basis.samples == pytest.approx(5.0 / 5.5 * ROWS, abs=2)
+        assert basis.sample_rate_Hz == pytest.approx(5e3)
+        assert basis.duration_s == pytest.approx(basis.samples / 5e3)
+        assert basis.bandwidth_Hz == pytest.approx(2.5e3)
+
+
+def test_a_hexagon_run_along_its_sides_evenly() -> None:
+    corners = np.exp(1j * np.pi / 3 * np.arange(7))
+    along = np.mod(_turns(5.0) / (np.pi / 3), 6)
+    side, share = np.divmod(along, 1.0)
+    psi = corners[side.astype(int)] * (1 - share) + corners[side.astype(int) + 1] * share
+    first_order = 0.5 / np.cos(np.pi / 6) * np.sqrt(3) * 3 / np.pi * 3 / np.pi
+    found = _measured(np.asarray(psi))
+    assert found["flux_radius_order_6"] == pytest.approx((1 / 25 + 1 / 49) * first_order, rel=1e-2)
+    assert found["flux_radius_pp"] == pytest.approx(1.0 - np.sqrt(3) / 2, abs=2e-3)
+    assert found["flux_centre_offset"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_scatter_over_the_revolutions_is_the_uncertainty() -> None:
+    noise = np.random.default_rng(0)
+    means = []
+    for _ in range(60):
+        psi = (0.17 + 0.01 * noise.standard_normal(ROWS)) * np.exp(1j * _turns(8.2))
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        means.append(flux_trajectory(block)[0])
+    stated = [each.uncertainty.standard for each in means if each.uncertainty is not None]
+    values = np.array([each.value for each in means])
+    assert len(stated) == len(means)
+    # of eight revolutions each: the standard uncertainty is Student's, and larger where the scatter is small
+    relative = (values - np.mean(values)) / np.array(stated)
+    assert 0.7 < np.sqrt(np.mean(relative**2)) < 1.3
+
+
+def _number(psi: NDArray[np.complex128], name: str) -> Measurement:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return next(each for each in flux_trajectory(block) if each.name == name)
+
+
+def test_a_radius_that_changes_is_no_one_regime() -> None:
+    size = np.where(np.arange(ROWS) < ROWS // 2, 0.17, 0.12)
+    found = _number(size * np.exp(1j * _turns(20.3)), "flux_radius_mean")
+    assert np.isnan(found.value)
+    assert found.reason.startswith("the radius of the flux changes from 0.12 to 0.17")
+
+
+def test_steps_that_repeat_in_every_revolution_are_uncertain_as_such() -> None:
+    step = 2e-3
+    psi = 0.17 * np.exp(1j * _turns(20.0))
+    stepped = np.round(psi.real / step) * step + 1j * np.round(psi.imag / step) * step
+    found = _number(stepped, "flux_radius_mean")
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard > 1e-5  # no scatter over revolutions shows them
+    assert abs(found.value - 0.17) < found.uncertainty.expanded
+
+
+def test_less_than_two_revolutions_are_refused() -> None:
+    with pytest.raises(AnalysisError, match=r"covers 1\.50 electrical periods, at least 2"):
+        _measured(np.exp(1j * _turns(1.5003)).astype(np.complex128))
+    with pytest.raises(AnalysisError, match="'psi_beta' is constant"):
+        _measured(np.linspace(0.0, 1.0, ROWS).astype(np.complex128))
+
+
+def _all(psi: NDArray[np.complex128]) -> dict[str, Measurement]:
+    block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+    return {each.name: each for each in flux_trajectory(block)}
+
+
+def _noise(seed: int, size: float = 1e-4) -> NDArray[np.complex128]:
+    parts = np.random.default_rng(seed).standard_normal((2, ROWS))
+    return np.asarray(size * (parts[0] + 1j * parts[1]))
+
+
+def _holds(found: Measurement, truth: float) -> None:
+    assert found.uncertainty is not None
+    assert abs(found.value - truth) < 4.0 * found.uncertainty.standard
+    assert found.uncertainty.standard < 4e-4 * 0.17
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_order_6_turns_with_a_speed_that_swings(seed: int) -> None:
+    angle = _turns(40.0) + 0.25 * np.sin(_turns(2.3) + seed)
+    psi = np.exp(1j * angle) + 0.04 * np.exp(-5j * angle) + 0.02 * np.exp(7j * angle) + 0.01j
+    found = _all(0.17 * psi + _noise(seed))
+    _holds(found["flux_radius_order_6"], 0.17 * 0.06)
+    _holds(found["flux_centre_offset"], 0.17 * 0.01)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_radius_that_ramps_moves_no_centre(seed: int) -> None:
+    ramp = 1.0 + 0.06 * (np.arange(ROWS) / ROWS - 0.5)
+    centre = 0.17 * 0.005 * np.exp(1j * seed)
+    found = _all(0.17 * ramp * np.exp(1j * _turns(40.4)) + centre + _noise(seed, 1e-5))
+    # 0.06 / 40.4 of the radius over 2 pi would be a twentieth of it
+    _holds(found["flux_centre_offset"], 0.17 * 0.005)
+    _holds(found["flux_radius_mean"], 0.17)
+
+
+def test_a_radius_that_remembers_for_long_has_no_rms_also_where_that_seems_short() -> None:
+    random = np.random.default_rng(7)
+    for _ in range(12):
+        radius = np.empty(60)
+        radius[0] = random.standard_normal()
+        for number in range(1, 60):
+            radius[number] = 0.9 * radius[number - 1] + np.sqrt(1.0 - 0.81) * random.standard_normal()
+        angle = 2 * np.pi * 60 * np.arange(12_000) / 12_000
+        psi = 0.17 * (1.0 + 0.01 * np.repeat(radius, 200)) * np.exp(1j * angle)
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        found = next(each for each in flux_trajectory(block) if each.name == "flux_radius_rms")
+        assert np.isnan(found.value), found
+        assert "record longer" in found.reason
+
+
+def test_a_line_that_revolutions_cut_moves_their_means_and_not_the_mean_of_all() -> None:
+    random, error = np.random.default_rng(3), []
+    turns = np.arange(12 * 200 + 1) / 200
+    for _ in range(20):
+        line = 0.02 * np.cos(2 * np.pi * (2.37 * turns + random.random()))
+        psi = (1.0 + line + 0.01 * random.standard_normal(len(turns))) * np.exp(2j * np.pi * turns)
+        block = Block(CHANNELS, 0, 1, 1e-4, np.column_stack([psi.real, psi.imag]))
+        found = {each.name: each for each in flux_trajectory(block)}["flux_radius_mean"]
+        assert found.uncertainty is not None
+        error.append((found.value - 1.0) / found.uncertainty.standard)
+    assert 0.45 < np.std(error) < 1.2

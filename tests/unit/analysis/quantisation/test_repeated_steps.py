@@ -1,0 +1,123 @@
+"""What a converter's steps repeat, against readings of the same waveform with levels in many places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.quantisation.repeated_steps import (
+    noise_beside,
+    repeated_steps,
+    share_left,
+    steps_of_periods,
+)
+from benchtool.analysis.quantisation.resolution import level_of
+
+PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
+OWN = STEP**2 / 12.0  # mean square of what steps without noise leave beside what repeats
+
+
+@pytest.mark.parametrize(("noise", "per_period"), [(0.0, PER_PERIOD), (0.0, 500.0), (0.25 * STEP, 500.0)])
+def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
+    noise: float, per_period: float
+) -> None:
+    random = np.random.default_rng(3)
+    phasors = np.zeros(40, dtype=np.complex128)
+    phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
+    stated = repeated_steps(0.1, phasors, STEP, noise**2 + OWN, per_period * PERIODS, PERIODS)
+    assert stated is not None
+    theta = 2.0 * np.pi / per_period * np.arange(round(per_period * PERIODS))
+    clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
+    of_means, of_rms, of_fifth = [], [], []
+    towards = np.exp(-1j * (5.0 * theta + 1.0))
+    for _ in range(150):
+        offset = STEP * random.uniform(-0.5, 0.5)
+        signal = clean + noise * random.standard_normal(len(clean))
+        read = STEP * np.round((signal - offset) / STEP) + offset
+        of_means.append(np.mean(read - signal))
+        of_rms.append(np.std(read) - np.std(signal))
+        of_fifth.append(2.0 * np.mean((read - signal) * towards).real)
+    lines, _ = stated.of_lines(phasors)
+    # beside what repeats readings err by noise of a twelfth of the step's square
+    rest = STEP / np.sqrt(12.0 * len(clean))
+    for measured, expected, of_rest in (
+        (of_means, stated.of_mean(), rest),
+        (of_rms, stated.of_rms, rest),
+        (of_fifth, lines[4], np.sqrt(2.0) * rest),
+    ):
+        found = float(np.sqrt(np.mean(np.square(measured))))
+        assert 0.75 * float(expected) < found < 1.25 * float(np.hypot(expected, of_rest))
+
+
+@pytest.mark.parametrize("swing_turns", [0.0, 0.03])
+def test_places_of_a_speed_that_swings_count_as_often_as_they_are_sampled(swing_turns: float) -> None:
+    """Aliased errors fall on lines of the swing; 250 samples a period without it are on 250 places."""
+    random = np.random.default_rng(5)
+    phasors = np.zeros(40, dtype=np.complex128)
+    phasors[0], phasors[4] = 1.3 * np.exp(0.3j), 0.05 * np.exp(1j)
+    rows = np.arange(80 * 250)
+    turns = rows / 250.0 + swing_turns * np.sin(2.0 * np.pi * 4.0 * rows / len(rows))
+    stated = repeated_steps(0.1, phasors, STEP, OWN, float(len(rows)), 80, turns)
+    assert stated is not None
+    theta = 2.0 * np.pi * turns
+    clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
+    of_fifth = []
+    for _ in range(200):
+        offset = STEP * random.uniform(-0.5, 0.5)
+        read = STEP * np.round((clean - offset) / STEP) + offset
+        of_fifth.append(2.0 * np.mean((read - clean) * np.exp(-1j * (5.0 * theta + 1.0))).real)
+    found = float(np.sqrt(np.mean(np.square(of_fifth))))
+    assert found == pytest.approx(float(stated.of_lines(phasors)[0][4]), rel=0.2)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5 * STEP, 0.2 * STEP])
+def test_levels_that_lie_evenly_about_a_waveform_are_no_chance(offset: float) -> None:
+    """Errors of odd harmonics are all in odd ones where a level is at zero or half a step off."""
+    random = np.random.default_rng(7)
+    theta = 2.0 * np.pi / 128.0 * np.arange(20 * 128)
+    relative = []
+    for _ in range(80):
+        phasors = np.zeros(40, dtype=np.complex128)
+        phasors[0] = random.uniform(1.0, 1.6) * np.exp(1j * random.uniform(0.0, 6.3))
+        clean = np.real(phasors[0] * np.exp(1j * theta))
+        read = STEP * np.round((clean - offset) / STEP) + offset
+        assert np.isclose(np.mod((level_of(read, STEP) - offset) / STEP + 0.5, 1.0), 0.5)
+        stated = repeated_steps(0.0, phasors, STEP, OWN, float(len(theta)), 20, level=offset)
+        assert stated is not None
+        error = 2.0 * np.mean((read - clean) * np.exp(-1j * (theta + np.angle(phasors[0])))).real
+        relative.append(error / stated.of_lines(phasors)[0][0])
+        if offset != 0.2 * STEP:
+            assert np.max(stated.of_lines(phasors)[1][1::2]) < 1e-20
+    assert 0.75 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 1.8 with levels anywhere
+
+
+def test_noise_hides_the_steps() -> None:
+    phasors = np.array([1.0 + 0j])
+    assert repeated_steps(0.0, phasors, STEP, STEP**2 + OWN, 10_000.0, 20) is None
+    assert noise_beside(STEP**2 / 12.0, STEP) == 0.0
+    assert noise_beside(STEP**2 / 12.0 + 9.0, STEP) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("noise_rms", [0.0, 0.1, 0.25, 0.4])
+def test_steps_under_noise_leave_what_the_distribution_of_readings_says(noise_rms: float) -> None:
+    """The mean reading at each place of a level, by Laplace's distribution function between thresholds."""
+    places = (np.arange(400) + 0.5) / 400.0 - 0.5
+    edges = np.arange(-8, 8) + 0.5 - places[:, np.newaxis]
+    scale = max(noise_rms / np.sqrt(2.0), 1e-9)
+    above = np.where(edges < 0.0, 1.0 - 0.5 * np.exp(np.minimum(edges, 0.0) / scale),
+                     0.5 * np.exp(-np.maximum(edges, 0.0) / scale))  # fmt: skip
+    errors = np.sum(above, axis=1) - 8.0 - places
+    of_steps = STEP * float(np.sqrt(np.mean(errors**2)))
+    assert share_left(noise_rms * STEP, STEP) * STEP / np.sqrt(12.0) == pytest.approx(of_steps, rel=0.03)
+
+
+def test_a_waveform_of_periods_that_begin_early_and_late_keeps_its_size() -> None:
+    random, per_period, periods, order = np.random.default_rng(1), 500, 60, 6
+    late = 0.1 * np.sin(0.7 * np.arange(periods))[:, np.newaxis]
+    theta = 2.0 * np.pi * np.arange(per_period) / per_period - late
+    clean = np.ravel(0.1 * np.cos(order * theta))
+    read = STEP / 4 * np.round((clean - random.uniform()) / (STEP / 4))
+    begins = per_period * np.arange(periods + 1)
+    found = steps_of_periods(read, begins, 1, STEP / 4)
+    assert found is not None
+    assert np.max(np.abs(found.waveform - np.mean(found.waveform))) == pytest.approx(0.1, rel=0.01)

@@ -1,0 +1,89 @@
+"""The gain at rest where the lowest frequencies tell little: which fit counts, and how far off it is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import signal
+
+from benchtool.analysis import analyze_response
+from benchtool.analysis.responses.gain_at_rest import gain_at_rest
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+
+def _rms(values: list[float]) -> float:
+    return math.sqrt(float(np.mean(np.square(values))))
+
+
+def test_a_gain_that_is_level_by_chance_is_not_that_at_rest() -> None:
+    """On the way to a resonance gains of large errors look constant: more terms say that they are not."""
+    frequency_Hz = np.arange(23.5, 140.0)
+    s = 1j * frequency_Hz / 55.0
+    truth = np.abs(1.0 / (1.0 + 0.9 * s + s**2))
+    error = 2e-4 * (frequency_Hz / 50.0) ** 2 + 0.02 * np.exp((23.5 - frequency_Hz) / 6.0)
+    random = np.random.default_rng(3)
+    missed = []
+    for _ in range(80):
+        gain = truth * np.exp(error * random.standard_normal(len(error)))
+        found = gain_at_rest(frequency_Hz, gain, error)
+        missed.append((found.gain - 1.0) / found.relative_error)
+    assert 0.6 < _rms(missed) < 1.2
+    assert float(np.mean(np.abs(missed) < 2.0)) > 0.9
+
+
+def test_a_loop_with_an_integral_part_rises_just_above_rest() -> None:
+    """The zero of its controller is where polynomials of f^2 end; errors hide that they are off."""
+    frequency_Hz = np.arange(1.0, 120.0, 0.5)
+    random = np.random.default_rng(5)
+    missed = []
+    for _ in range(80):
+        zero_Hz = random.uniform(3.0, 8.0)
+        s = 1j * frequency_Hz / 30.0
+        opened = (s + zero_Hz / 30.0) / s**2 * np.exp(-0.15 * s)
+        error = np.full(len(frequency_Hz), 0.02)
+        gain = np.abs(opened / (1.0 + opened)) * np.exp(error * random.standard_normal(len(error)))
+        found = gain_at_rest(frequency_Hz, gain, error)
+        missed.append((found.gain - 1.0) / found.relative_error)
+    assert 0.4 < _rms(missed) < 1.4
+    assert float(np.mean(np.abs(missed) < 2.0)) > 0.85
+
+
+@pytest.mark.parametrize("alike", [1, 4])
+def test_neighbours_with_one_error_count_once(alike: int) -> None:
+    frequency_Hz = np.arange(1.0, 161.0)
+    truth = np.abs(1.0 / (1.0 + 1j * frequency_Hz / 60.0))
+    error = np.full(len(truth), 0.01)
+    random = np.random.default_rng(4)
+    missed = []
+    for _ in range(50):
+        own = np.repeat(random.standard_normal(len(truth) // alike), alike)
+        gain, shared = truth * np.exp(error * own), np.full(len(truth), float(alike))
+        found = gain_at_rest(frequency_Hz, gain, error * np.sqrt(shared), shared)
+        missed.append((found.gain - 1.0) / found.relative_error)
+    assert 0.6 < _rms(missed) < 1.3
+
+
+def test_a_sweep_that_passes_the_lowest_frequencies_in_less_than_a_period_has_its_gain() -> None:
+    """There what its ends leave in looks like the response, and is alike for neighbouring frequencies."""
+    rate_Hz, missed = 4000.0, []
+    for seed in range(10):
+        random = np.random.default_rng(seed)
+        time_s = np.arange(8000) / rate_Hz
+        x = signal.chirp(time_s, 2.0, 2.0, 400.0, phi=-90.0) * signal.windows.tukey(len(time_s), 0.02)
+        corner_Hz = random.uniform(40.0, 62.0)
+        omega = 2.0 * math.pi * corner_Hz
+        system = np.array([1.0]), np.array([1.0 / omega**2, 1.2 / omega, 1.0])
+        numerator, denominator, _ = signal.cont2discrete(system, 1.0 / rate_Hz, "zoh")
+        y = signal.lfilter(np.ravel(numerator), denominator, x) + 2e-3 * random.standard_normal(len(x))
+        block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "Nm"}, x=x, y=np.asarray(y))
+        (gain,) = (
+            each for each in analyze_response(block, "x", "y").measurements if each.name == "response_gain"
+        )
+        assert gain.uncertainty is not None
+        missed.append((gain.value - 1.0) / gain.uncertainty.standard)
+    assert _rms(missed) < 1.4

@@ -1,0 +1,53 @@
+"""What steps of a sensor do to a waveform that was read with it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.sensors.waveform import Waveform, by_steps
+
+RATE_HZ, STEP = 10_000.0, 0.1
+
+
+def _errors_over_uncertainties(later: float) -> tuple[float, float]:
+    """Return the rms of error / u of mean and rms of a ripple of twelve steps with a third harmonic, whose
+    steps noise of `later` of them hides."""
+    random, found = np.random.default_rng(3), []
+    for _ in range(40):
+        turns = random.uniform(17.0, 23.0) / 2000 * np.arange(2000) + random.uniform()
+        mean, large, small = (
+            STEP * random.uniform(0, 1),
+            STEP * random.uniform(5, 7),
+            STEP * random.uniform(1, 2),
+        )
+        clean = large * np.cos(2 * np.pi * turns) + small * np.cos(6 * np.pi * turns + random.uniform(0, 6))
+        read = STEP * np.round((mean + clean) / STEP) + later * STEP * random.standard_normal(2000)
+        waveform, rms = Waveform(read, RATE_HZ), float(np.std(clean))
+        of_rms = math.sqrt(max(0.0, waveform.rms**2 - (later * STEP) ** 2)) - rms
+        found.append(
+            [
+                (waveform.mean - mean - float(np.mean(clean))) / by_steps(waveform, STEP, lambda of: of.mean),
+                of_rms / by_steps(waveform, STEP, lambda of: of.rms),
+            ]
+        )
+    of_mean, of_rms_too = np.sqrt(np.mean(np.square(found), axis=0))
+    return float(of_mean), float(of_rms_too)
+
+
+@pytest.mark.parametrize("later", [0.02, 0.2])
+def test_steps_that_later_noise_hides_move_a_mean_and_an_rms_as_stated(later: float) -> None:
+    of_mean, of_rms = _errors_over_uncertainties(later)
+    assert 0.6 < of_mean < 1.5
+    assert 0.6 < of_rms < 1.5
+
+
+def test_noise_of_a_step_before_it_was_read_leaves_no_error_of_the_mean() -> None:
+    random = np.random.default_rng(1)
+    torque = 1.03 + 0.8 * STEP * random.standard_normal(20_000)
+    read = STEP * np.round(torque / STEP) + 0.05 * STEP * random.standard_normal(20_000)
+    assert by_steps(Waveform(read, RATE_HZ), STEP, lambda of: of.mean) < 0.02 * STEP
+    still = Waveform(1.0 + 0.05 * STEP * random.standard_normal(20_000), RATE_HZ)
+    assert by_steps(still, STEP, lambda of: of.mean) == pytest.approx(STEP / math.sqrt(12.0), rel=0.05)

@@ -1,0 +1,34 @@
+"""Clicks are told from a tail, and the largest of a random number of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.statistics.clicks import clicks_apart
+
+
+def test_clicks_of_one_size_are_apart_and_a_heavy_tail_or_levels_of_a_converter_are_not() -> None:
+    random = np.random.default_rng(6)
+    values = random.standard_normal(2000)
+    values[::200] += 10.0 * random.choice([-1.0, 1.0], 10)
+    found = clicks_apart(values)
+    assert found is not None
+    assert len(found.sizes) == 10
+    assert found.probability > 0.9
+    assert sum(clicks_apart(random.standard_t(3, 2000)) is not None for _ in range(100)) < 10
+    assert clicks_apart(0.5 * np.round(random.standard_normal(2000) / 0.5), 0.5) is None
+
+
+def test_the_largest_of_a_random_number_of_clicks_scatters_as_stated() -> None:
+    random = np.random.default_rng(7)
+    largest, stated = [], []
+    for _ in range(200):
+        values = random.standard_normal(1000)
+        hit = random.random(1000) < 0.012
+        values[hit] += 12.0
+        largest.append(np.max(values))
+        found = clicks_apart(values)
+        stated.append(np.nan if found is None else found.scatter_of_largest(1.0))
+    assert np.count_nonzero(np.isfinite(stated)) > 180
+    assert np.sqrt(np.nanmean(np.square(stated))) == pytest.approx(np.std(largest), rel=0.3)

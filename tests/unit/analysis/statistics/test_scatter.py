@@ -1,0 +1,207 @@
+"""The error of a mean against the scatter of many means."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from benchmarks.coverage.noise import coloured, fractional
+from benchtool.analysis.statistics.scatter import (
+    at_lowest_frequencies,
+    error_of_periods,
+    error_of_record,
+    error_of_series,
+    is_memory_untold,
+    scatter_of_largest,
+    tail_index,
+    tail_index_of_heavy,
+)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_it_is_the_scatter_of_the_mean_also_of_correlated_samples(memory: float) -> None:
+    records = np.random.default_rng(0).standard_normal((400, 5000))
+    records = signal.lfilter([1.0], [1.0, -memory], records, axis=1)
+    scatter = float(np.std(np.mean(records, axis=1)))
+    stated = np.array([error_of_record(record).standard for record in records])
+    assert np.median(stated) == pytest.approx(scatter, rel=0.15)
+    # in some of the records a slow drift cannot be excluded, and their mean is known less
+    assert np.mean(stated < 2.0 * scatter) > 0.95
+    errors = np.mean(records, axis=1) / stated
+    assert float(np.sqrt(np.mean(errors**2))) == pytest.approx(0.95, abs=0.1)
+
+
+def test_a_short_record_has_none() -> None:
+    assert math.isnan(error_of_record(np.arange(19.0)).standard)
+    assert error_of_record(np.ones(20)).standard == 0.0
+
+
+def test_the_largest_of_a_record_scatters_over_records_as_stated() -> None:
+    """Exponential values, whose largest has a standard deviation of pi / sqrt(6) beyond a few values."""
+    records = np.random.default_rng(1).exponential(2.0, (400, 200))
+    stated = np.array([scatter_of_largest(record) for record in records])
+    assert np.mean(stated) == pytest.approx(2.0 * math.pi / math.sqrt(6.0), rel=0.1)
+    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.15)
+
+
+def test_of_fewer_than_four_the_largest_has_no_scatter() -> None:
+    assert math.isnan(scatter_of_largest(np.array([1.0, 3.0, 2.0])))
+    # the mean excess of 2, 3 and 6 over the least of the four, 1, over that of quantiles of Gumbel's
+    # distribution at 3/8, 5/8 and 7/8 over the one at 1/8
+    quantiles = -np.log(-np.log(np.array([0.375, 0.625, 0.875])))
+    of_gumbel = float(np.mean(quantiles)) + math.log(-math.log(0.125))
+    assert scatter_of_largest(np.array([2.0, 6.0, 1.0, 3.0])) == pytest.approx(
+        math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0 / of_gumbel
+    )
+
+
+def test_a_mean_under_flicker_noise_is_known_less_than_its_parts_say() -> None:
+    """Noise of density 1 / f down to a quarter of a cycle in the record, made line by line."""
+    random, count = np.random.default_rng(3), 4000
+    shape = np.zeros(2 * count + 1)
+    shape[1:] = 1.0 / np.sqrt(np.arange(1, 2 * count + 1))
+    errors = []
+    for _ in range(60):
+        phasors = random.standard_normal((2, 2 * count + 1))
+        noise = np.fft.irfft(shape * (phasors[0] + 1j * phasors[1]), 4 * count)[:count]
+        errors.append(np.mean(noise) / error_of_record(noise).standard)
+    assert np.mean(np.abs(errors) < 2.0) >= 0.9
+    assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+def test_the_mean_of_a_trend_is_not_known_to_less_than_the_trend() -> None:
+    trend = np.linspace(-1.0, 1.0, 4000) + 1e-3 * np.random.default_rng(4).standard_normal(4000)
+    assert not error_of_record(trend).standard < 0.5
+
+
+def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() -> None:
+    random = np.random.default_rng(7)
+    alone: list[float] = []
+    pooled: list[float] = []
+    for _ in range(100):
+        noise = random.standard_normal(2000)
+        by_parts = error_of_series(np.mean(noise.reshape(4, 500), axis=1))
+        for found, both in ((alone, False), (pooled, True)):
+            error = at_lowest_frequencies(noise, by_parts, 4, pooled=both)
+            found.append(error.standard)
+            assert error.standard > 0.0
+    truth = 1.0 / np.sqrt(2000.0)
+    assert all(of_both <= of_parts for of_both, of_parts in zip(pooled, alone, strict=True))
+    assert truth < np.median(pooled) < 0.95 * np.median(alone)
+
+
+def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
+    random = np.random.default_rng(5)
+    normal = [tail_index(random.standard_normal(20_000)) for _ in range(20)]
+    heavy = [tail_index(random.standard_t(3.0, 20_000)) for _ in range(20)]
+    assert np.median(normal) == 0.0
+    assert np.median(heavy) == pytest.approx(1.0 / 3.0, abs=0.12)
+    assert tail_index(np.ones(50)) == 0.0
+
+
+def test_few_values_far_larger_than_all_others_are_no_heavy_tail() -> None:
+    random, found = np.random.default_rng(9), []
+    for _ in range(10):
+        noise = random.standard_normal(20_000)
+        noise[random.integers(0, 20_000, 60)] += 30.0 * random.standard_normal(60)
+        found.append(tail_index(noise))
+    assert sum(each == 0.0 for each in found) >= 7
+
+
+def test_tails_known_to_be_heavy_have_an_index_also_where_it_is_not_significant() -> None:
+    random = np.random.default_rng(5)
+    few = [random.standard_t(3.0, 400) for _ in range(40)]
+    assert all(tail_index(each, 40) == 0.0 for each in few)
+    heavy = [tail_index_of_heavy(each, 40) for each in few]
+    assert 0.2 < float(np.median(heavy)) < 0.6
+    assert min(heavy) > 0.0
+    assert tail_index_of_heavy(np.ones(400), 40) == tail_index_of_heavy(few[0][:60], 40) == 0.0
+
+
+def test_the_largest_of_a_heavy_tail_scatters_more() -> None:
+    """Pareto's distribution of the index 0.2, whose largest of n behaves as (n / e)^0.2, e exponential."""
+    records = np.random.default_rng(6).pareto(5.0, (300, 400))
+    stated = np.array([scatter_of_largest(record, 0.2) for record in records])
+    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.25)
+
+
+def test_a_mean_under_fractional_noise_and_one_of_levels_is_known_as_stated() -> None:
+    """Noise that falls as f^-0.6 goes on below the record, what is another in each of 40 periods does not."""
+    random = np.random.default_rng(3)
+    for is_fractional in (True, False):
+        errors = []
+        for _ in range(60):
+            samples = (
+                fractional(random, 4000) if is_fractional else np.repeat(random.standard_normal(40), 100)
+            )
+            if not is_fractional:
+                samples = samples + 0.3 * random.standard_normal(4000)
+            periods = error_of_series(samples.reshape(40, 100).mean(axis=1))
+            errors.append(np.mean(samples) / at_lowest_frequencies(samples, periods, 40).standard)
+        assert np.mean(np.abs(errors) < 2.0) >= 0.88
+        assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+@pytest.mark.parametrize(("memory", "untold"), [(0.9, 0.9), (0.0, 0.5)])
+def test_few_values_do_not_tell_how_long_they_remember(memory: float, untold: float) -> None:
+    random = np.random.default_rng(4)
+    found = []
+    for _ in range(80):
+        values = 1.0 + 0.02 * coloured(random.standard_normal(18), memory)
+        found.append(is_memory_untold(values, 1e-3 * random.standard_normal(18)))
+    assert (np.mean(found) > untold) == (memory > 0.0)
+
+
+def test_what_moves_as_noise_does_or_is_of_many_values_has_no_untold_memory() -> None:
+    random = np.random.default_rng(5)
+    walk = 1.0 + 0.01 * np.cumsum(random.standard_normal(40))
+    assert not is_memory_untold(walk, 1e-4 * random.standard_normal(40))
+    noise = 0.02 * random.standard_normal((2, 20))
+    assert not is_memory_untold(1.0 + noise[0], noise[1])
+
+
+def test_a_memory_that_shows_is_continued_rather_than_refused() -> None:
+    """The records in which it does not show err more: to refuse the others would leave these."""
+    random = np.random.default_rng(6)
+    records = [coloured(random.standard_normal(40), 0.95) for _ in range(80)]
+    refused = [math.isnan(error_of_series(each).standard) for each in records]
+    stated = [error_of_periods(each).standard for each in records]
+    assert np.mean(refused) > 0.5
+    assert np.mean(np.abs([np.mean(each) for each in records]) < 2.0 * np.array(stated)) >= 0.88
+
+
+def test_the_largest_of_few_scatters_as_they_do_at_least() -> None:
+    values = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 2.0, 2.0, 2.0, 2.0])
+    assert scatter_of_largest(values) >= 0.6 * float(np.std(values, ddof=1))
+
+
+def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> None:
+    # a resonance four cycles a period fast, in seven periods: far less is at zero than its flanks make of it
+    random, periods, count = np.random.default_rng(2), 7, 1680
+    turn = 2.0 * np.pi * 4.0 * periods / count
+    driven = random.standard_normal((60, count + 2000))
+    records = signal.lfilter([1.0], [1.0, -1.99 * np.cos(turn), 0.99], driven, axis=1)[:, 2000:]
+    scatter = float(np.std(np.mean(records, axis=1)))
+    stated = []
+    for record in records:
+        by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
+        stated.append(at_lowest_frequencies(record, by_parts, periods).standard)
+    assert 0.8 * scatter < np.median(stated) < 3.0 * scatter
+
+
+def test_the_mean_under_a_control_with_an_integral_is_known_better_than_the_density_above_says() -> None:
+    random, periods, count = np.random.default_rng(6), 20, 2560
+    driven = random.standard_normal((60, count + 2000))
+    # the integral's corner is two cycles a period fast
+    records = signal.lfilter([1.0, -1.0], [1.0, -0.91], driven, axis=1)[:, 2000:]
+    scatter = float(np.std(np.mean(records, axis=1)))
+    stated: dict[bool, list[float]] = {False: [], True: []}
+    for record in records:
+        by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
+        for may_fall, found in stated.items():
+            found.append(at_lowest_frequencies(record, by_parts, periods, may_fall=may_fall).standard)
+    assert np.median(stated[False]) > 3.0 * scatter
+    assert scatter < np.median(stated[True]) < 2.5 * scatter

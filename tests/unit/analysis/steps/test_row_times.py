@@ -1,0 +1,107 @@
+"""Rows of a transient at other times than they should be, and samples that are held for several rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import Measurement, analyze_step
+from benchtool.analysis.steps.row_times import hold, scatter_of_times
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+Course = Callable[[Floats], Floats]
+
+ROWS, BEFORE, TAU, DEAD = 900, 150, 15.0, 3.3
+SILENT = Noise(np.zeros(1))
+
+
+def _lag(row: Floats) -> Floats:
+    return np.asarray(1.0 - np.exp(-np.maximum(row - DEAD, 0.0) / TAU))
+
+
+def _ringing(row: Floats) -> Floats:
+    late = np.maximum(row - DEAD, 0.0)
+    return np.asarray(1.0 - np.exp(-late / TAU) * np.cos(late / 5.0))
+
+
+def _measured(y: Floats) -> dict[str, Measurement]:
+    r = (np.arange(len(y)) >= BEFORE).astype(np.float64)
+    block = Block.from_arrays(1e4, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+@pytest.mark.parametrize("course", [_lag, _ringing])
+def test_the_scatter_of_times_is_found_on_slopes(course: Course) -> None:
+    random = np.random.default_rng(1)
+    row = np.arange(float(ROWS))
+    found = [
+        scatter_of_times(course(row + 0.2 * random.standard_normal(ROWS)), SILENT, 0.0) for _ in range(12)
+    ]
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(0.2, rel=0.3)
+
+
+@pytest.mark.parametrize("course", [_lag, _ringing])
+@pytest.mark.parametrize("rms", [0.0, 0.003, 0.03])
+def test_rows_in_time_have_none_whatever_their_noise(course: Course, rms: float) -> None:
+    random = np.random.default_rng(2)
+    noise = Noise(np.array([rms**2]))
+    y = course(np.arange(float(ROWS))) + rms * random.standard_normal((12, ROWS))
+    assert np.median([scatter_of_times(each, noise, 0.0) for each in y]) < 0.01
+
+
+def test_corners_and_jumps_are_no_scatter() -> None:
+    row = np.arange(float(ROWS))
+    corner = np.minimum(row / 60.0, 1.0)
+    jumps = np.select([row < 100, row < 400, row < 402], [0.0, 1.0, 1.3], 0.2)
+    assert scatter_of_times(corner, SILENT, 0.0) < 1e-6
+    assert scatter_of_times(jumps, SILENT, 0.0) == 0.0
+
+
+def test_times_of_rows_that_scatter_are_in_every_instant() -> None:
+    random = np.random.default_rng(3)
+    true_s = 1e-4 * (DEAD + TAU * np.log(50.0))
+    relative = []
+    for _ in range(24):
+        row = np.arange(ROWS) - BEFORE + random.uniform(-0.4, 0.4, ROWS)
+        reach = _measured(_lag(row))["reach_time"]
+        assert reach.uncertainty is not None
+        relative.append((reach.value - true_s) / reach.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(relative))) < 1.6
+
+
+def test_a_sample_of_several_rows_is_found_in_noise_and_without() -> None:
+    random = np.random.default_rng(4)
+    row = np.arange(float(ROWS)) - BEFORE
+    for rms in (0.0, 0.01):
+        fresh = _lag(row) + rms * random.standard_normal(ROWS)
+        held = fresh[np.maximum(np.arange(ROWS) - 2, 0) // 5 * 5 + 2]
+        assert hold(held) == (5, 2)
+        assert hold(fresh) == (1, 0)
+    assert hold(np.round(_lag(row), 2))[0] == 1
+
+
+def test_numbers_of_a_held_signal_are_those_of_its_samples() -> None:
+    fresh = _lag(np.arange(float(4 * ROWS)) - BEFORE)
+    found = _measured(fresh[np.arange(4 * ROWS) // 4 * 4])
+    for name, rows in (("rise_time", TAU * np.log(9.0)), ("reach_time", DEAD + TAU * np.log(50.0))):
+        uncertainty = found[name].uncertainty
+        assert uncertainty is not None
+        assert abs(found[name].value - 1e-4 * rows) < 2.0 * uncertainty.standard
+        assert uncertainty.standard < 1e-4
+    assert "held for 4 rows" in str(found["rise_time"].basis)
+
+
+def test_the_rows_in_which_a_ringing_sets_in_are_no_scatter() -> None:
+    since = np.maximum(np.arange(300.0) - 1.4, 0.0)
+    y = 1.0 - np.exp(-since / 4.1) * np.cos(2.0 * np.pi * since / 6.7)
+    noise = Noise(np.array([1e-6]))
+    found = [
+        scatter_of_times(y + 1e-3 * np.random.default_rng(seed).standard_normal(300), noise, 0.0)
+        for seed in range(10)
+    ]
+    assert np.count_nonzero(found) <= 1

@@ -1,0 +1,144 @@
+"""Peaks of step responses: at corners, in few rows, or none at all; lobes between rows; wandering levels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import Measurement, analyze_step
+from benchtool.analysis.steps.corners import corner_near
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.tops import kink
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+
+BEFORE = 200
+RATE_HZ = 10_000.0
+
+
+def _measured(y: Floats, before: int = BEFORE) -> dict[str, Measurement]:
+    r = (np.arange(len(y)) >= before).astype(np.float64)
+    block = Block.from_arrays(RATE_HZ, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+def _relative(found: Measurement, truth: float) -> float:
+    assert found.uncertainty is not None
+    return (found.value - truth) / found.uncertainty.standard
+
+
+def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
+    random = np.random.default_rng(11)
+    row = np.arange(900.0) - BEFORE
+    corner = 84.3
+    y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
+    y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
+    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(20)]
+    high = [_relative(each["overshoot"], corner / 70.0 - 1.0) for each in found]
+    late = [_relative(each["peak_time"], corner / RATE_HZ) for each in found]
+    assert 0.5 < np.sqrt(np.mean(np.square(high))) < 1.7
+    assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.6
+    assert abs(np.mean(late)) < 0.8  # which windows that cut it off would move
+
+
+def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
+    random = np.random.default_rng(12)
+    y = 1.0 - np.exp(-np.maximum(np.arange(800.0) - BEFORE, 0.0) / 20.0)
+    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
+    relative = [_relative(each, 0.0) for each in found]
+    assert np.mean(np.abs(relative) <= 2.0) >= 0.9
+    assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.4
+    assert 0.6 < min(relative) < max(relative) < 2.0  # as near to it in every record
+
+
+def test_a_trough_as_deep_as_the_noise_has_the_uncertainty_of_what_noise_makes_of_a_plateau() -> None:
+    random = np.random.default_rng(13)
+    row = 0.06 * np.maximum(np.arange(800.0) - BEFORE, 0.0)
+    relative = []
+    for damping in (0.6, 0.7):
+        root = math.sqrt(1.0 - damping**2)
+        y = 1.0 - np.exp(-damping * row) * (np.cos(root * row) + damping / root * np.sin(root * row))
+        truth = math.exp(-2.0 * math.pi * damping / root)
+        found = [_measured(y + 0.01 * random.standard_normal(len(y)))["undershoot"] for _ in range(14)]
+        relative += [_relative(each, truth) for each in found]
+    assert np.sqrt(np.mean(np.square(relative))) < 1.3
+    assert np.mean(np.abs(relative) <= 2.0) >= 0.9
+
+
+def test_a_lobe_between_rows_is_the_last_outside_a_band() -> None:
+    def lobe(row: Floats) -> Floats:
+        return np.asarray(0.03 * np.exp(-row / 12.0) * np.cos(2.0 * math.pi * row / 7.0))
+
+    fine = np.arange(0.0, 60.0, 1e-3)
+    for shift in np.linspace(0.0, 1.0, 9):
+        truth = float(fine[np.flatnonzero(np.abs(lobe(fine + shift)) > 0.02)[-1]])
+        found = NoisyCurve(lobe(np.arange(60.0) + shift), np.empty((0, 60))).last_outside(0.0, 0.02)
+        assert found is not None
+        assert abs(found.place - truth) < max(0.05, 2.0 * found.standard)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.6, 0.9])
+def test_a_trough_two_rows_after_its_peak_is_found_between_rows(phase: float) -> None:
+    random = np.random.default_rng(13)
+    late = np.maximum(np.arange(460.0) - 60 - phase, 0.0)
+    y = 1.0 - np.exp(-late / 4.0) * np.cos(2.0 * math.pi * late / 5.0)
+    fine = np.arange(0.0, 20.0, 1e-3)
+    course = 1.0 - np.exp(-fine / 4.0) * np.cos(2.0 * math.pi * fine / 5.0)
+    truth = 1.0 - float(np.min(course[np.argmax(course) :]))
+    found = [_measured(y + 3e-3 * random.standard_normal(len(y)), 60)["undershoot"] for _ in range(6)]
+    assert np.sqrt(np.mean([_relative(each, truth) ** 2 for each in found])) < 1.8
+
+
+def test_the_peak_of_a_ringing_answer_is_no_corner_and_that_of_a_limited_one_is() -> None:
+    rows = np.arange(-30.0, 31.0)
+    noise = 4e-3 * np.random.default_rng(2).standard_normal(len(rows))
+    of_noise = Noise(np.array([1.6e-5]))
+    assert corner_near(1.4 - 0.2 * (rows / 20.0) ** 2 + noise, of_noise, 30) is None
+    found = corner_near(1.4 + np.minimum((rows - 1.3) / 60.0, (1.3 - rows) / 200.0) + noise, of_noise, 30)
+    assert found is not None
+    assert found.probability > 0.9
+    assert found.place == pytest.approx(31.3, abs=3.0 * found.place_error)
+    assert found.height == pytest.approx(1.4, abs=3.0 * found.height_error)
+
+
+def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> None:
+    random = np.random.default_rng(14)
+    rows, refused = 2400, {"walk": 0, "1/f": 0}
+    y = 1.0 - np.exp(-np.maximum(np.arange(float(rows)) - 500, 0.0) / 20.0)
+    frequency = np.maximum(np.arange(4 * rows + 1), 1.0)
+    for _ in range(12):
+        walk = 2e-3 * random.standard_normal(rows) + np.cumsum(4e-4 * random.standard_normal(rows))
+        bins = np.fft.rfft(random.standard_normal(8 * rows)) / np.sqrt(frequency)
+        pink = np.fft.irfft(bins)[:rows]
+        for name, noise in (("walk", walk), ("1/f", 0.01 * pink / np.std(pink))):
+            found = _measured(y + noise, 500)["plateau_mean"]
+            refused[name] += "wanders" in found.reason
+    assert refused["walk"] >= 9
+    assert refused["1/f"] <= 1
+
+
+def test_a_clipped_overshoot_is_none() -> None:
+    random, root = np.random.default_rng(3), math.sqrt(1.0 - 0.3**2)
+    row = 0.06 * np.maximum(np.arange(800.0) - BEFORE, 0.0)
+    y = 1.0 - np.exp(-0.3 * row) * (np.cos(root * row) + 0.3 / root * np.sin(root * row))
+    noisy = y + 2e-3 * random.standard_normal(len(y))
+    whole, clipped = (_measured(each) for each in (noisy, np.minimum(noisy, 1.15)))
+    assert whole["overshoot"].value == pytest.approx(0.37, abs=0.01)
+    assert math.isnan(clipped["overshoot"].value)
+    assert "overshoot is clipped" in clipped["overshoot"].reason
+    # a level at rest in steps of a converter is none
+    assert math.isfinite(_measured(np.round(noisy, 2))["overshoot"].value)
+
+
+def test_a_corner_just_after_its_row_is_as_uncertain_as_the_courses_bend() -> None:
+    late = np.arange(-20.0, 21.0) - 0.003
+    course = np.where(late < 0.0, 0.015 * late, 0.15 * np.exp(-np.maximum(late, 0.0) / 45.0) - 0.15)
+    found = kink(course, 20, 0.0)
+    assert found is not None
+    assert abs(found.above + float(course[20])) < 2.0 * found.above_error
+    assert found.above_error < 2e-4

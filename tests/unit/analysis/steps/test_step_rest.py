@@ -1,0 +1,112 @@
+"""Step responses about rest: modes that last until arrival, hum before the step, tails that are slow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.step import analyze_step
+from benchtool.analysis.steps.step_drift import find_drift
+from benchtool.analysis.steps.step_shape import find_step
+from benchtool.block import Block
+
+RATE_HZ = 5_000.0
+BEFORE = 250
+
+
+def _found(way: NDArray[np.float64]) -> dict[str, Measurement]:
+    reference = np.where(np.arange(len(way)) < BEFORE, 0.0, 1.0)
+    block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=way, r=reference)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+def _lag(rows: int, decay: float) -> NDArray[np.float64]:
+    after = np.arange(rows) - BEFORE
+    return np.where(after < 0, 0.0, 1.0 - np.exp(-np.maximum(after, 0) / decay))
+
+
+def test_a_crest_just_below_a_level_leaves_open_when_it_is_passed() -> None:
+    # a crest as far below the level as its noise, then a trough, then beyond it
+    row = np.arange(120.0)
+    values = np.interp(row, [0, 40, 60, 80, 120], [-1.0, -0.02, -0.4, 0.4, 1.0])
+    errors = 0.02 * np.random.default_rng(5).standard_normal((400, 1)) * np.ones(len(row))
+    found = NoisyCurve(values, errors).first_above(0.0)
+    assert found is not None
+    assert found.place == pytest.approx(70.0)
+    # a sixth of the draws pass it thirty rows earlier
+    assert found.standard == pytest.approx(30.0 * np.sqrt(0.16), rel=0.15)
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0, 3.0])
+def test_hum_before_a_step_is_no_drift(phase: float) -> None:
+    noise = 0.003 * np.random.default_rng(8).standard_normal(1500)
+    hum = 0.01 * np.cos(2.0 * np.pi * 50.0 / RATE_HZ * np.arange(1500) + phase)
+    found = _found(_lag(1500, 60.0) + noise + hum)
+    assert found["overshoot"].uncertainty is not None
+
+
+def test_a_slow_tail_is_no_slow_noise() -> None:
+    noise = 0.003 * np.random.default_rng(9).standard_normal(4000)
+    found = _found(0.94 * _lag(4000, 30.0) + 0.06 * _lag(4000, 500.0) + noise)
+    expected_s = 500.0 * np.log(3.0) / RATE_HZ
+    uncertainty = found["settling_time"].uncertainty
+    assert uncertainty is not None
+    assert abs(found["settling_time"].value - expected_s) < 2.0 * uncertainty.standard
+    assert uncertainty.standard < 0.05 * expected_s
+
+
+def test_a_pulse_has_not_settled_before_its_fall() -> None:
+    row = np.arange(1000)
+    reference = np.where((row >= 100) & (row < 800), 1.0, 0.0)
+    fall = 1.0 - 0.65 ** np.maximum(0, row - 800)
+    answer = np.where(row < 100, 0.0, 1.0 - 0.65 ** np.maximum(0, row - 100)) - fall
+    ripple = 0.017 * np.cos(0.5 * row) + 0.004 * np.random.default_rng(4).standard_normal(1000)
+    block = Block.from_arrays(10_000.0, {"y": "A", "r": "A"}, y=answer + ripple, r=reference)
+    found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+    uncertainty = found["tracking_error_rms"].uncertainty
+    assert uncertainty is not None
+    assert uncertainty.standard < 0.3 * found["tracking_error_rms"].value
+
+
+def test_a_slope_before_a_step_that_does_not_go_on_after_it_is_no_doubt() -> None:
+    random = np.random.default_rng(21)
+    row = np.arange(5000.0)
+    noise = 0.01 * random.standard_normal(len(row))
+    noise[:100] += 1e-4 * (row[:100] - 50.0)  # three standard uncertainties of a slope over so few
+    r = np.where(row < 100.0, 0.0, 0.65)
+    y = 0.65 * (1.0 - np.exp(-np.maximum(row - 105.0, 0.0) / 10.0)) + noise
+    block = Block.from_arrays(10_000.0, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    step = find_step(block, "y", "r")
+    assert find_drift(step, step.y_clear[2500:]).doubt < 1e-6
+    drifting = find_step(Block.from_arrays(10_000.0, {"y": "Nm", "r": "Nm"}, y=y + 2e-6 * row, r=r), "y", "r")
+    assert find_drift(drifting, drifting.y_clear[2500:]).doubt == pytest.approx(2e-6, rel=0.2)
+
+
+def test_a_pulse_that_has_fallen_is_at_rest_by_the_time_since_its_fall() -> None:
+    random = np.random.default_rng(31)
+    row = np.arange(1000.0) - 150
+    clean = 1.0 - np.exp(-np.maximum(row, 0.0) / 2.0)
+    clean[550:] -= clean[150:600]
+    r = np.where((row >= 0.0) & (row < 400.0), 1.0, 0.0)
+    for _ in range(3):
+        y = clean + 5e-3 * random.standard_normal(len(row))
+        block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=y, r=r)
+        found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+        errors = [found[f"tracking_error_{name}"].uncertainty for name in ("mean", "rms", "max")]
+        mean, rms, greatest = (each.standard for each in errors if each is not None)
+        assert 0.5 < mean / (5e-3 / np.sqrt(440.0)) < 1.6  # 0.00024 of 440 samples, from 90 at its end 0.0005
+        assert rms < 3e-4
+        assert greatest < 5e-3  # no sample of the fall, which is 0.2 a row
+
+
+def test_a_tail_slower_than_the_rise_is_no_noise_of_a_plateau() -> None:
+    random = np.random.default_rng(32)
+    since = np.maximum(np.arange(4000.0) - BEFORE, 0.0)
+    way = 1.0 - 0.94 * np.exp(-since / 33.0) - 0.06 * np.exp(-since / 480.0)
+    found = _found(np.where(since > 0.0, way, 0.0) + 3e-3 * random.standard_normal(len(since)))
+    mean = found["plateau_mean"].uncertainty
+    assert mean is not None
+    assert 4e-5 < mean.standard < 1.2e-4  # white noise 5e-5

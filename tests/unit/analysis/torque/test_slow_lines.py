@@ -1,0 +1,140 @@
+"""What a torque repeats more slowly than a period is no noise of its mean, rms and extremes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import Measurement, torque_ripple, track_angle
+from benchtool.analysis.torque.slow_lines import slow_lines
+from benchtool.block import Block
+
+Array = NDArray[np.float64]
+RATE_HZ, PER_PERIOD, POLE_PAIRS = 10e3, 211.7, 5
+
+
+def measured(torque: Array) -> dict[str, Measurement]:
+    theta_m = np.arange(len(torque), dtype=np.float64) * (2 * np.pi / (PER_PERIOD * POLE_PAIRS))
+    block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque)
+    track = track_angle(theta_m, POLE_PAIRS)
+    return {each.name: each for each in torque_ripple(block, track=track, pole_pairs=POLE_PAIRS)}
+
+
+def record(periods: float, seed: int, *slow: tuple[float, float]) -> Array:
+    """Ripple of a period, noise, and sinusoids of (cycles in a period, Nm)."""
+    random = np.random.default_rng(seed)
+    turned = 2 * np.pi * np.arange(round(periods * PER_PERIOD)) / PER_PERIOD
+    torque = 1.5 + 0.05 * np.cos(6 * turned) + 3e-3 * random.standard_normal(len(turned))
+    for cycles, size in slow:
+        torque += size * np.cos(cycles * turned + random.uniform(0, 2 * np.pi))
+    return np.asarray(torque)
+
+
+@pytest.mark.parametrize("periods", [9.4, 30.3, 90.7])
+def test_a_part_of_a_revolution_moves_the_mean_by_what_is_stated(periods: float) -> None:
+    relative, widest = [], 0.0
+    for seed in range(16):
+        found = measured(record(periods, seed, (1 / POLE_PAIRS, 0.03), (2 / POLE_PAIRS, 0.01)))["torque_mean"]
+        assert found.uncertainty is not None, found
+        relative.append((found.value - 1.5) / found.uncertainty.standard)
+        widest = max(widest, found.uncertainty.standard)
+    assert 0.6 < np.sqrt(np.mean(np.square(relative))) < 1.4
+    assert widest < 0.03 / (2 * periods / POLE_PAIRS)  # of a cycle that is not whole, over the record
+
+
+def test_lines_in_step_with_nothing_are_no_noise_of_the_rms() -> None:
+    truth = np.sqrt(0.5 * (0.05**2 + 0.04**2 + 0.02**2) + 3e-3**2)
+    relative = []
+    for seed in range(16):
+        found = measured(record(120.0, seed, (0.137, 0.04), (0.311, 0.02)))["torque_ripple_rms"]
+        assert found.uncertainty is not None
+        relative.append((found.value - truth) / found.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(relative))) < 1.4
+
+
+def test_the_peak_to_peak_scatters_by_the_noise_alone() -> None:
+    found = [measured(record(120.0, seed, (1 / POLE_PAIRS, 0.04)))["torque_ripple_pp"] for seed in range(24)]
+    stated = [each.uncertainty.standard for each in found if each.uncertainty is not None]
+    scatter = float(np.std([each.value for each in found]))
+    assert len(stated) == len(found)
+    assert 0.45 < scatter / np.sqrt(np.mean(np.square(stated))) < 1.5
+
+
+def test_a_drift_is_no_random_walk_of_the_mean() -> None:
+    torque = record(60.0, 3)
+    torque += 0.05 * np.linspace(-1.0, 1.0, len(torque))
+    found = measured(torque)
+    assert found["torque_mean"].uncertainty is not None
+    assert found["torque_mean"].uncertainty.standard < 1e-3
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.99, 0.9999])
+def test_noise_has_no_slow_lines(memory: float) -> None:
+    from scipy.signal import lfilter
+
+    place = (np.arange(20_000) + 0.5) / 20_000
+    found = 0
+    for seed in range(30):
+        noise = lfilter([1.0], [1.0, -memory], np.random.default_rng(seed).standard_normal(20_000))
+        found += slow_lines(noise, place, 80, POLE_PAIRS) is not None
+    assert found <= 1
+
+
+@pytest.mark.parametrize("periods", [2000, 3000, 5000, 20_000])
+def test_many_periods_have_slow_lines_or_none_are_sought(periods: int) -> None:
+    """Five thousand periods are more than the blocks in which a record is looked at otherwise."""
+    place = (np.arange(7 * periods) + 0.5) / (7 * periods)
+    slow = 0.1 * np.cos(2 * np.pi * periods / POLE_PAIRS * place)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(len(place))
+    found = slow_lines(2.0 + slow + noise, place, periods, POLE_PAIRS)
+    if periods > 1 << 14:
+        assert found is None
+        return
+    assert found is not None
+    assert found.cycles == pytest.approx([periods / POLE_PAIRS])
+    assert np.std(found.at(place) - slow) < 3e-3
+
+
+def test_lines_too_close_to_be_told_apart_are_no_power_of_their_own() -> None:
+    # a drift is explained by two large sinusoids that cancel
+    torque = record(42.4, 3)
+    drifting = torque + 0.1 * np.linspace(-0.5, 0.5, len(torque))
+
+    rms = measured(drifting)["torque_ripple_rms"].value
+
+    assert rms == pytest.approx(np.std(drifting), rel=1e-3)
+
+
+def test_a_percentile_knows_the_share_of_a_slow_cycle() -> None:
+    found = [
+        measured(record(60.3, seed, (0.137, 0.05)))["torque_ripple_percentile_range"] for seed in range(30)
+    ]
+
+    scatter = np.std([each.value for each in found], ddof=1)
+    stated = np.sqrt(np.mean([each.uncertainty.standard**2 for each in found if each.uncertainty]))
+
+    assert 0.8 * scatter < stated < 4.0 * scatter
+
+
+def test_a_beat_of_half_the_record_has_no_peak_to_peak() -> None:
+    turned = 2 * np.pi * np.arange(round(50.2 * PER_PERIOD)) / PER_PERIOD
+    torque = record(50.2, 5) + 0.05 * np.cos(6.009 * turned)
+
+    found = measured(torque)["torque_ripple_pp"]
+
+    assert found.uncertainty is None
+    assert "grows or falls over the whole record" in found.uncertainty_reason
+    assert measured(record(50.2, 5))["torque_ripple_pp"].uncertainty is not None
+
+
+def test_extremes_on_a_drift_scatter_as_those_of_its_ends() -> None:
+    drift = [
+        record(40.3, seed) + 0.3 * np.linspace(-0.5, 0.5, round(40.3 * PER_PERIOD)) for seed in range(40)
+    ]
+    found = [measured(each)["torque_ripple_pp"] for each in drift]
+
+    scatter = np.std([each.value for each in found], ddof=1)
+    stated = np.sqrt(np.mean([each.uncertainty.standard**2 for each in found if each.uncertainty]))
+
+    assert 0.7 * scatter < stated < 1.8 * scatter
