@@ -28,7 +28,7 @@ from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
 from benchtool.analysis.statistics.repeatability import wander_of_line
 from benchtool.analysis.uncertainty import Uncertainty
-from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -63,7 +63,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     (`steadiness`).
 
     Raises:
-        AnalysisError: a gap, no such channel, or a dead signal.
+        AnalysisError: a gap, no such channel, or a dead or clipped signal.
     """
     require_unbroken(block)
     samples, unit, rate_Hz = (
@@ -72,6 +72,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         block.sample_rate_Hz,
     )
     require_signal(samples, channel)
+    require_unclipped(samples, channel)
     count = len(samples)
     width_Hz = rate_Hz / count
     rows = sinusoids_of(samples)

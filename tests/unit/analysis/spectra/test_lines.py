@@ -191,6 +191,12 @@ def test_a_short_record_is_undefined_and_no_error() -> None:
     assert "at least 64 are needed" in spectral_lines(short, "torque").measurements[0].reason
 
 
+def test_lines_of_a_clipped_signal_are_refused() -> None:
+    clipped = np.minimum(torque((120.0, 0.1), noise=0.01).column("torque"), 1.55)
+    with pytest.raises(AnalysisError, match="clipped"):
+        spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=clipped), "torque")
+
+
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_orders_at_a_stated_speed(direction: float) -> None:
     omega_m_rad_s = 2 * np.pi * 12.5
