@@ -48,6 +48,9 @@ def test_fig_4_the_earlier_tpc_has_at_least_three_times_the_ripple(measured: Any
     assert cases["tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["tpc"]["torque_ripple_pp"]
     assert cases["literal,tpc_stator"]["torque_ripple_pp"] >= 3.0 * cases["literal,tpc"]["torque_ripple_pp"]
     assert cases["tpc"]["torque_mean"] == pytest.approx(3.0, abs=0.02)
+    for case in cases.values():  # the speed controller moves the reference after the step
+        assert case["reach_time"] <= 1e-3
+        assert case["overshoot"] <= case["torque_ripple_pp"]
 
 
 def test_fig_5_the_torque_step(measured: Any) -> None:
@@ -92,5 +95,6 @@ def test_deadbeat_beats_tpc_in_the_same_run(measured: Any) -> None:
     cases = measured("laws")
     assert len(cases) == 7
     deadbeat, tpc = cases["deadbeat"], cases["tpc"]
+    assert cases["foc"]["reach_time"] > 2.0 * tpc["reach_time"]
     assert deadbeat["transducer_torque_ripple_pp"] <= 0.5 * tpc["transducer_torque_ripple_pp"]
     assert deadbeat["flux_ripple_pp"] <= 0.1 * tpc["flux_ripple_pp"]

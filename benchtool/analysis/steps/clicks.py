@@ -20,6 +20,7 @@ _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal
 RARE = 0.02
 """Of the samples: more clicks are no interference that could be left out."""
 _PASSES = 5
+_APART = (1, 2, 4, 8)  # samples between which the noise is looked for
 _FEWEST, _FEWEST_LEVELS = 50, 16  # samples; of a converter
 
 
@@ -30,24 +31,44 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     A click is one sample, or each of two, beyond both neighbours and beyond the medians of three samples to
     either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
     from each other, so that an edge is none. The noise is how far half of the samples, of all or of those
-    near where that is more, are from the mean of their neighbours: what oscillates is none either. Samples
-    without noise are returned as they are, and so are those of which more than a fiftieth would be clicks,
-    with their number.
+    near where that is more, are from the mean of their neighbours: what oscillates is none either. A signal
+    that stays for some samples and then jumps, as what is computed of converted currents does, is hardly off
+    its neighbours: where it would have too many clicks, those up to eight samples away count. Samples without
+    noise are returned as they are, and so are those of which more than a fiftieth would be clicks, with their
+    number.
     """
     count = len(samples)
     if count < _FEWEST:
         return samples, 0
-    apart = np.abs(samples[1:-1] - 0.5 * (samples[:-2] + samples[2:]))
-    noise, step = _OF_MEDIAN * float(np.median(apart)), converter_step(samples)
-    if not max(noise, step) > 0.0:
-        return samples, 0
-    mended, hits = samples, np.zeros(count, dtype=np.bool_)
+    step = converter_step(samples)
+    apart = _apart(samples, 1)
+    mended, hits = samples, 0
+    for lag in _APART:
+        noise = _OF_MEDIAN * float(np.median(_apart(samples, lag)))
+        if not max(noise, step) > 0.0:
+            continue
+        mended, hits = _mended(samples, apart, max(_SIGMAS * noise, _STEPS * step))
+        if not too_many(hits, count):
+            break
+    return mended, hits
+
+
+def _apart(samples: Floats, lag: int) -> Floats:
+    """Return how far samples, shape (n,), are from the mean of those `lag` before and after, shape (n - 2
+    lag,)."""
+    return np.asarray(np.abs(samples[lag:-lag] - 0.5 * (samples[: -2 * lag] + samples[2 * lag :])))
+
+
+def _mended(samples: Floats, apart: Floats, least: float) -> tuple[Floats, int]:
+    """Return samples, shape (n,), without clicks beyond `least`, and their number; as they are where these
+    are too many."""
+    mended, hits = samples, np.zeros(len(samples), dtype=np.bool_)
     for _ in range(_PASSES):  # of clicks side by side one hides the other
-        hit = _hit(mended, apart, max(_SIGMAS * noise, _STEPS * step)) & ~hits
+        hit = _hit(mended, apart, least) & ~hits
         if not np.any(hit):
             break
         hits |= hit
-        if too_many(int(np.count_nonzero(hits)), count):
+        if too_many(int(np.count_nonzero(hits)), len(samples)):
             return samples, int(np.count_nonzero(hits))
         mended = _bridged(samples, hits)
     return mended, int(np.count_nonzero(hits))

@@ -60,10 +60,12 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     What it moved by between the samples before the step and those `at_rest` after it is then not known. Each
     of both shows few of the lowest frequencies; that the density of their noise rises towards zero frequency
     more steeply than that of 1/f noise is told by both together. So seems that of a line of which they hold
-    no whole periods, but within a longer time it moves by less. Where it `drifts`, that is about one slope of
+    no whole periods, but within a longer time it moves by less. It is what the signal does about its
+    reference, which may move too, as that of an inner loop. Where it `drifts`, that is about one slope of
     both, as a drift goes on.
     """
-    pieces = [each for each in (step.y_before, at_rest) if len(each) >= _FEWEST_AT_REST]
+    about = (step.y_before - step.r_before, at_rest - step.r[len(step.r) - len(at_rest) :])
+    pieces = [each for each in about if len(each) >= _FEWEST_AT_REST]
     if drifts:
         pieces = _about_one_slope(pieces)
     if not pieces:

@@ -50,8 +50,8 @@ class Step:
     `greatest_error` and `final_error` are the standard uncertainties that its noise leaves in these, and
     `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are no draws. `y_clear` is the
     signal without its `clicks` samples that are far from their neighbours, `y_before` the same up to the
-    step, and `y_noise` its noise at rest. `shown_late` is for how long after a row it is shown at most, in
-    rows.
+    step, `r_before` the reference until then, and `y_noise` the noise at rest. `shown_late` is for how long
+    after a row it is shown at most, in rows.
     """
 
     y: Floats
@@ -60,6 +60,7 @@ class Step:
     y_before: Floats
     y_noise: Noise
     r: Floats
+    r_before: Floats
     r_errors: Floats
     sign: float
     begin: int
@@ -155,6 +156,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         y_before=clear[: max(1, begin)],
         y_noise=Noise.of(clear[:begin], clear[-tail:]),
         r=r[begin:],
+        r_before=r[: max(1, begin)],
         r_errors=r_errors[:, first::held_rows][:, begin:],
         sign=sign,
         begin=begin,

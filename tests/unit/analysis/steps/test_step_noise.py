@@ -200,3 +200,25 @@ def test_a_latency_is_none_before_its_step_and_less_uncertain_the_later_that_mus
     assert early is not None
     assert early.standard < 0.95 * late.standard
     assert found[1].value == 0.0
+
+
+def test_a_signal_that_stays_and_jumps_has_no_interference() -> None:
+    """Torque that is computed of converted currents: levels of irregular height, each for some rows."""
+    random = np.random.default_rng(6)
+    y, r = _noisy(1.0, 0.0, rows=3000)
+    levels = np.repeat(0.01 * random.standard_normal(3000), random.integers(1, 14, 3000))[:3000]
+    found = _one(y + levels, r, "reach_time")
+    assert not found.reason
+    assert found.value == pytest.approx(5e-4 + 1e-3 * math.log(50.0), rel=0.3)
+
+
+def test_a_signal_that_follows_a_reference_that_wanders_does_not() -> None:
+    """The reference of an inner loop walks as the outer loop does; the signal follows within a row."""
+    random = np.random.default_rng(7)
+    walk = np.cumsum(4e-4 * random.standard_normal(2400))
+    r = _step(0.0, 1.0, rows=2400, at=500) + walk
+    y = np.append(r[:1], r[:-1])
+    followed = _one(y + 1e-3 * random.standard_normal(2400), r, "plateau_mean")
+    assert not followed.reason
+    alone = _one(y + 1e-3 * random.standard_normal(2400), r - walk, "plateau_mean")
+    assert "wanders" in alone.reason
