@@ -17,7 +17,6 @@ from benchtool.analysis.orders import (
     fitted_orders,
     order_analysis,
     orders_at_speed,
-    wobble_of,
 )
 from benchtool.analysis.spectra import (
     CURRENT_UNBALANCE,
@@ -211,8 +210,8 @@ def _found_orders(record: Record, what: str) -> Orders:
     if record.block is not None:
         return order_analysis(record.block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
     coverage = angle_coverage(record.column("angle"), angle)
-    unit, wobble = record.channels[what].unit, wobble_of(coverage, record.data[:, 0])
-    spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis, wobble)
+    unit = record.channels[what].unit  # stamps that are uneven do not tell a wobble from their own jitter
+    spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis)
     return describe_orders(spectrum, what, pole_pairs, slots)
 
 

@@ -16,5 +16,4 @@ from .orders import (
     machine_orders as machine_orders,
     order_analysis as order_analysis,
     order_meaning as order_meaning,
-    wobble_of as wobble_of,
 )

@@ -45,6 +45,7 @@ from benchtool.analysis.spectra.interharmonics import (
     without,
 )
 from benchtool.analysis.spectra.modulation import (
+    amplitude_changes,
     harmonics_tell,
     phase_noise_rad,
     with_steady_amplitude,
@@ -60,7 +61,6 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
-from benchtool.analysis.statistics.scatter import neighbours_alike
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window
@@ -71,7 +71,6 @@ _BEATS = (
     "the amplitude changes within the window, and no harmonic tells that it is no line beside the "
     "fundamental: record longer, or the angle"
 )
-_CLEARLY, _FEWEST = 4.0, 4  # standard deviations of a correlation; periods
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -166,9 +165,7 @@ def current_spectrum(
         with_trend,
     )
     errors = replace(errors, beside=close.standard[:highest])
-    changes = steady.trend is not None or (
-        coherent.periods > _FEWEST and neighbours_alike(alone.amplitude) > _CLEARLY
-    )
+    changes = amplitude_changes(alone.amplitude, steady.trend, step)
     unsteady = clean if with_trend is None else with_trend[0]
     # with no phase but its own, and no harmonic that tells, a line beside it may be all of that
     beats = by_signal and changes and not (close.turned_rad or harmonics_tell(unsteady, highest))

@@ -28,7 +28,7 @@ from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
 from benchtool.analysis.statistics.repeatability import wander_of_line
 from benchtool.analysis.uncertainty import Uncertainty
-from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
+from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -63,7 +63,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
     (`steadiness`).
 
     Raises:
-        AnalysisError: a gap, no such channel, or a dead or clipped signal.
+        AnalysisError: a gap, no such channel, or a dead signal.
     """
     require_unbroken(block)
     samples, unit, rate_Hz = (
@@ -72,10 +72,10 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         block.sample_rate_Hz,
     )
     require_signal(samples, channel)
-    require_unclipped(samples, channel)
     count = len(samples)
     width_Hz = rate_Hz / count
-    rows = sinusoids_of(samples)
+    clipped = clipping(samples)
+    rows = () if clipped else sinusoids_of(samples)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -92,7 +92,7 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
-        reason = "no line stands out of the noise"
+        reason = clipped or "no line stands out of the noise"
         if count < _FEWEST:
             reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
         undefined = (

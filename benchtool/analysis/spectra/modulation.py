@@ -18,6 +18,7 @@ from benchtool.analysis.statistics.scatter import (
     error_of_periods,
     error_of_series,
     is_memory_untold,
+    neighbours_alike,
 )
 
 Floats = NDArray[np.float64]
@@ -29,6 +30,8 @@ _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noi
 _FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _ROUNDS = 3
+_CORRELATED, _FEWEST_CORRELATED = 4.0, 4  # standard deviations; periods
+_OF_STEPS = 2.0 * 0.157  # of q (q / A)^(1/2): twice the rms of what a step q does to an amplitude A
 _LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
 
 
@@ -56,6 +59,16 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
     product = np.real(of_sums @ np.conj(of_first))
     size = np.sqrt(np.sum(np.abs(of_sums) ** 2, axis=1) * np.sum(np.abs(of_first) ** 2))
     return np.asarray(product > _ALIKE * size)
+
+
+def amplitude_changes(amplitude: Floats, trend: AmplitudeTrend | None, step: float) -> bool:
+    """Return whether amplitudes of periods, shape (periods,), follow a `trend` or each other, and differ by
+    more than the step of a converter makes them (`quantisation.swept_steps`): what it does to each order
+    turns against the periods, too."""
+    if float(np.std(amplitude)) <= _OF_STEPS * step * math.sqrt(step / float(np.mean(amplitude))):
+        return False
+    is_told = len(amplitude) > _FEWEST_CORRELATED
+    return trend is not None or (is_told and neighbours_alike(amplitude) > _CORRELATED)
 
 
 def harmonics_tell(spectrum: CoherentSpectrum, orders: int) -> bool:

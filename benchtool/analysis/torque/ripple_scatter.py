@@ -324,7 +324,7 @@ def _per_share(samples: Floats, below: float, shares: Floats) -> float:
     share = min(below, 1.0 - below)
     error = error_of_series(shares)
     deviation = error.standard / students_deviation(error.dof) if math.isfinite(error.standard) else share
-    deviation = max(deviation, 1.0 / len(samples))
+    deviation = min(max(deviation, 1.0 / len(samples)), share)
 
     def slope(deviation: float) -> float:
         # Wilson and Hilferty, Proc. Natl. Acad. Sci. 17 (1931) 684

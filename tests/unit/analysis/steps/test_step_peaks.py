@@ -34,7 +34,7 @@ def _relative(found: Measurement, truth: float) -> float:
 
 def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     random = np.random.default_rng(11)
-    row = np.arange(900.0) - BEFORE
+    row = np.arange(1600.0) - BEFORE
     corner = 84.3
     y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
     y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
