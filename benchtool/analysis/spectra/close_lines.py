@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.close_distances import likely_fits
 from benchtool.analysis.spectra.interharmonics import Interharmonics, response
-from benchtool.analysis.spectra.noise import harmonic_noise
+from benchtool.analysis.spectra.noise import aliased_quantisation, harmonic_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 Floats = NDArray[np.float64]
@@ -68,11 +68,12 @@ class _Line:
     turned_rad: float = 0.0
 
 
-def close_lines(spectrum: CoherentSpectrum, count: int, orders: int) -> CloseLines:
-    """Return the lines beside harmonics 1 to `orders` of a spectrum of `count` samples.
+def close_lines(spectrum: CoherentSpectrum, count: int, orders: int, step: float = 0.0) -> CloseLines:
+    """Return the lines beside harmonics 1 to `orders` of a spectrum of `count` samples in steps of `step`.
 
     A line counts by the probability that it is one, by how many standard deviations the phase moves (Bayes
-    factor of a line of any size over none), and distances by how well they explain the bins beside.
+    factor of a line of any size over none), and distances by how well they explain the bins beside. What a
+    converter's steps fold to beside a harmonic is on either side of it, and no such line.
     """
     periods, bins = spectrum.periods, spectrum.phasor
     reach = min(_REACH, (periods - 1) // 2)
@@ -82,9 +83,10 @@ def close_lines(spectrum: CoherentSpectrum, count: int, orders: int) -> CloseLin
         return CloseLines(None, standard, 0.0)
     number = periods * np.arange(1, orders + 1)[:, np.newaxis] + np.arange(-reach, reach + 1)
     found: dict[int, _Line] = {}
+    folded2 = aliased_quantisation(spectrum, step, orders) ** 2
     clean = spectrum
     for _ in range(_ROUNDS):
-        floor2 = 2.0 * harmonic_noise(clean, orders) ** 2
+        floor2 = 2.0 * harmonic_noise(clean, orders) ** 2 + folded2
         around = bins[number] - _sinusoids(found).of_bins(number, count)
         stands_out = _stands_out(around, floor2)
         for index in range(orders):

@@ -115,7 +115,8 @@ def current_spectrum(
     spectrum = spectrum_of(coherent)
     turns = _turns(track, len(samples))
     course = course_of(turns, FIRST_ROW, coherent)
-    others, close = _no_harmonics(spectrum, coherent, course)
+    step = resolution(samples)
+    others, close = _no_harmonics(spectrum, coherent, course, step)
     by_signal = track.residual_rad is None and track.departure is None
     for _ in range(_ROUNDS):
         taken = together(others, close.lines)
@@ -128,14 +129,13 @@ def current_spectrum(
         spectrum = spectrum_of(coherent)
         turns = _turns(track, len(samples))
         course = course_of(turns, FIRST_ROW, coherent)
-        others, close = _no_harmonics(spectrum, coherent, course)
+        others, close = _no_harmonics(spectrum, coherent, course, step)
         by_signal = track.departure is None
         if not close.turned_rad:
             break
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
-    step = resolution(samples)
     between = coherent if others is None else without(coherent, others, course)
     cleaned = between if close.lines is None else without(between, close.lines, course)
     invalid = clipping(samples) or standing(samples)
@@ -219,12 +219,12 @@ def current_spectrum(
 
 
 def _no_harmonics(
-    spectrum: CoherentSpectrum, coherent: CoherentSamples, course: Course
+    spectrum: CoherentSpectrum, coherent: CoherentSamples, course: Course, step: float
 ) -> tuple[Interharmonics | None, CloseLines]:
-    """Return what is between the harmonics, and the lines beside them."""
+    """Return what is between the harmonics, and the lines beside them, of a signal with steps."""
     others = between_harmonics(coherent, spectrum, course)
     clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
-    return others, close_lines(clean, len(coherent.values), HIGHEST_HARMONIC)
+    return others, close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step)
 
 
 def _turns(track: PhaseTrack, count: int) -> NDArray[np.float64]:

@@ -181,7 +181,7 @@ def _turned(
         noise = _of_sine_fit(spectrum)
         lines = [Contribution(source, "A", noise.standard, noise.dof)]
         if spectrum.fundamental:
-            folded_rad = aliased_quantisation(spectrum, step) / spectrum.fundamental
+            folded_rad = float(aliased_quantisation(spectrum, step)[0]) / spectrum.fundamental
             of_steps = 2.0 * math.pi * _OF_FOLDED * folded_rad
             lines.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
         return smooth_rad, lines, source

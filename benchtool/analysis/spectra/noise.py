@@ -297,23 +297,26 @@ def repeated_quantisation(
     return (none, none) if steps is None else steps.of_lines(lines)
 
 
-def aliased_quantisation(spectrum: CoherentSpectrum, step: float) -> float:
-    """Return the rms amplitude of errors of a converter's steps that fold to beside the fundamental, each as
-    much as it moves a frequency by a fit under a Hann window, relative to a line a bin away.
+def aliased_quantisation(spectrum: CoherentSpectrum, step: float, harmonics: int = 1) -> NDArray[np.float64]:
+    """Return the rms amplitude of errors of a converter's steps that fold to beside each of the first
+    harmonics, shape (harmonics,), each as much as it moves a frequency by a fit under a Hann window, relative
+    to a line a bin away.
 
-    Where j periods hold nearly a whole number n of samples, orders n - 1 and n + 1 of the error fold to
-    lines so few bins beside the fundamental that the window does not keep them off.
+    Where j periods hold nearly a whole number n of samples, orders n - h and n + h of the error fold to
+    lines so few bins beside harmonic h that the window does not keep them off.
     """
     found = converter_steps(spectrum, step)
     if found is None:
-        return 0.0
+        return np.zeros(harmonics)
     whole = np.arange(1, _FOLDED + 1) * (spectrum.samples / spectrum.periods)
     nearest = np.round(whole).astype(np.int64)
     apart = np.abs(nearest - whole) * spectrum.periods
-    power = found.power_at(nearest - 1) + found.power_at(nearest + 1)
+    order = np.arange(1, harmonics + 1)[:, np.newaxis]
+    below, above = ((nearest + by).ravel() for by in (-order, order))
+    power = (found.power_at(below) + found.power_at(above)).reshape(harmonics, -1)
     # of int cos^4 t sin(2 pi d t) dt, which is near its greatest from half a bin to one and a half
     moved = np.minimum(1.0, 2.0 * apart) * (apart < _MAIN_LOBE)
-    return math.sqrt(float(np.sum(power * moved**2)))
+    return np.asarray(np.sqrt(power @ moved**2))
 
 
 def largest_of_steps(spectrum: CoherentSpectrum, steps: RepeatedSteps | None, below_order: float) -> float:

@@ -113,3 +113,18 @@ def test_only_harmonics_tell_a_ramp_of_the_amplitude_from_a_line_beside_it(
     found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
     assert (found["current_fundamental"].uncertainty is not None) is is_known
     assert (found["fundamental_frequency"].uncertainty is not None) is is_known
+
+
+def test_what_a_converter_folds_to_beside_a_harmonic_is_no_line() -> None:
+    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental, and the
+    frequency without one line in place of both would be off by 1.5 mHz."""
+    rows, step = np.arange(13_988, dtype=np.float64), 2.04 / 256
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        theta = 2.0 * np.pi * 17.3 * rows / RATE_HZ + random.uniform(0, 2 * np.pi)
+        signal = sum(a * np.cos(k * theta + random.uniform(0, 2 * np.pi)) for k, a in LINES.items() if k < 8)
+        signal = np.asarray(signal) + 3e-4 * random.standard_normal(len(rows))
+        signal = np.round(signal / step + random.uniform()) * step
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+        found = current_spectrum(block, "i_a", track_tone(signal)).measurements[0]
+        assert found.value == pytest.approx(17.3, abs=2.5e-4)
