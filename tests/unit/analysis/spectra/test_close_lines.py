@@ -116,9 +116,8 @@ def test_only_harmonics_tell_a_ramp_of_the_amplitude_from_a_line_beside_it(
 
 
 def test_what_a_converter_folds_to_beside_a_harmonic_is_no_line() -> None:
-    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental. Of one line
-    taken out in place of both the frequency would be off by half a millihertz.
-    """
+    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental. With
+    one line taken out in place of both the frequency would be off by half a millihertz."""
     rows, step = np.arange(13_988, dtype=np.float64), 2.04 / 256
     for seed in (1, 2, 16, 44, 86, 97):  # of the last four one line would take the place of both
         random = np.random.default_rng(seed)
