@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import can
+import canopen
 import pytest
 
 from benchtool.clock import RealClock, VirtualClock
 from benchtool.errors import LinkClosed, LinkError, NoAnswer
 from benchtool.link.canopen.link import CanopenLink
+from benchtool.link.canopen.sdo_client import SdoClient
 from benchtool.link.canopen.virtual import VirtualTimeBus
 from benchtool.protocol.canopen.emcy import Emergency
 from benchtool.protocol.canopen.nmt import NmtCommand, NmtState
@@ -89,6 +91,13 @@ def test_a_vanished_adapter_is_told_to_every_caller(scripted: ScriptedBus, host:
             LinkClosed, match="the adapter of node 5 stopped working: device unplugged; check "
         ):
             call()
+
+
+def test_an_end_of_reception_is_no_answer_to_a_second_one() -> None:
+    client = SdoClient(canopen.Network(), NODE, 1.0)
+    client.on_response(0x580 + NODE, bytes.fromhex(VALUE), 0.0)
+    client.end_waiting()
+    assert client.more_answers(0x2000, 1) == 1
 
 
 def test_an_adapter_that_vanishes_during_a_request_is_told_instead_of_silence(

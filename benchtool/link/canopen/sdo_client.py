@@ -146,8 +146,9 @@ class SdoClient(client.SdoClient):
         """Return how many answers to the last request are left, which are dropped: of other nodes."""
         more = 0
         while not self.responses.empty():
-            more += sdo.key(self.responses.get_nowait()) == (index, sub)
-            self.stale += 1
+            if (frame := self.responses.get_nowait()) != _UNANSWERED:
+                more += sdo.key(frame) == (index, sub)
+                self.stale += 1
         return more
 
     def _has_response(self) -> bool:
