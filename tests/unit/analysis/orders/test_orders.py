@@ -8,22 +8,14 @@ from collections import Counter
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from numpy.typing import NDArray
 
 from benchtool.analysis.orders.angle import TURN, angle_coverage, between_updates, least_step_rad
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import MACHINE_ORDERS, describe_orders, order_analysis, order_meaning
-from benchtool.block import Block, Channel, Gap
+from benchtool.block import Gap
 from benchtool.errors import AnalysisError
-
-Array = NDArray[np.float64]
-COGGING = {72: (0.2, 0.3), 18: (0.04, -1.0), 12: (0.02, 2.0), 1: (0.01, 0.0)}
-
-
-def torque_at(angle: Array, mean: float = 0.65) -> Array:
-    parts = (amplitude * np.cos(order * angle + phase) for order, (amplitude, phase) in COGGING.items())
-    return np.asarray(mean + np.sum(list(parts), axis=0))
+from tests.unit.analysis.orders.cogging_torque import COGGING, Array, block_of, steady, torque_at
 
 
 def uneven_angle(revolutions: float, samples: int, seed: int = 0) -> Array:
@@ -35,15 +27,6 @@ def uneven_angle(revolutions: float, samples: int, seed: int = 0) -> Array:
 
 def fitted(angle: Array, values: Array) -> OrderSpectrum:
     return fitted_orders(angle_coverage(angle), values, "torque", "Nm")
-
-
-def block_of(theta_m: Array, torque: Array, rate_Hz: float = 10e3, gaps: tuple[Gap, ...] = ()) -> Block:
-    channels = (Channel("theta_m", "rad"), Channel("torque", "Nm"))
-    return Block(channels, 0, 1, 1 / rate_Hz, np.stack([theta_m, torque], axis=1), gaps)
-
-
-def steady(revolutions: float, samples: int = 20_000) -> Array:
-    return 0.4 + TURN * revolutions * np.arange(samples) / samples
 
 
 @pytest.mark.parametrize("backwards", [False, True])

@@ -6,29 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import order_analysis
-from benchtool.block import Block
 from benchtool.errors import AnalysisError
-
-Array = NDArray[np.float64]
-COGGING = {72: (0.2, 0.3), 18: (0.04, -1.0), 12: (0.02, 2.0), 1: (0.01, 0.0)}
-
-
-def torque_at(angle: Array) -> Array:
-    parts = (amplitude * np.cos(order * angle + phase) for order, (amplitude, phase) in COGGING.items())
-    return np.asarray(0.65 + np.sum(list(parts), axis=0))
-
-
-def block_of(theta_m: Array, torque: Array) -> Block:
-    return Block.from_arrays(10e3, {"theta_m": "rad", "torque": "Nm"}, theta_m=theta_m, torque=torque)
-
-
-def steady(revolutions: float) -> Array:
-    return 0.4 + TURN * revolutions * np.arange(20_000) / 20_000
+from tests.unit.analysis.orders.cogging_torque import COGGING, block_of, steady, torque_at
 
 
 def test_sidebands_of_a_wobble_are_in_the_uncertainty_of_the_orders_beside() -> None:
