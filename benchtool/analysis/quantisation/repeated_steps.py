@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy import fft
@@ -93,7 +94,11 @@ class RepeatedSteps:
 
     def _lines(self, orders: NDArray[np.int64]) -> Complex:
         points = self.errors.shape[1]
-        return np.asarray(fft.fft(self.errors, axis=1)[:, orders % points] * (2.0 / points))
+        return np.asarray(self._transform[:, orders % points] * (2.0 / points))
+
+    @cached_property
+    def _transform(self) -> Complex:
+        return np.asarray(fft.fft(self.errors, axis=1))
 
 
 @dataclass(frozen=True)
