@@ -148,7 +148,7 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
             return smooth if source.is_rotor else source.with_what_is_told(smooth)
     ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
     basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
-    wobble, source = wobble_of(coverage, ticks.astype(np.float64)), WobbleSource()
+    wobble, source = _wobble_of(coverage, ticks.astype(np.float64)), WobbleSource()
     if wobble.rms_rad > LARGEST_WOBBLE_RAD:
         try:
             smooth, source = _by_time(block, channel, angle, None, _NEARLY_ALL * wobble.rms_rad)
@@ -163,7 +163,7 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     return source.with_what_is_told(fitted)
 
 
-def wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
+def _wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
     """Return the angle's deviation from a smooth track that repeats every revolution, and its noise.
 
     Of fewer than four revolutions it is that of all of the deviation. It may be a motion of the rotor or an

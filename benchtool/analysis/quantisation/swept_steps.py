@@ -26,6 +26,11 @@ _MOST = 64.0  # frequencies
 Floats = NDArray[np.float64]
 
 
+def relative_error(levels: Floats | float) -> Floats:
+    """Return the rms error that steps make of a sinusoid of an amplitude of so many, relative to it."""
+    return np.asarray(_OF_LEVELS * np.power(levels, -1.5))
+
+
 def errors_of_steps(r: Floats, y: Floats, gain: Floats) -> tuple[Floats, Floats]:
     """Return the standard uncertainty of the gain of an output to what sweeps, relative to it, and over how
     many neighbours it is the same, both of the shape of `gain`; zero and one of an output without steps."""
@@ -39,4 +44,4 @@ def errors_of_steps(r: Floats, y: Floats, gain: Floats) -> tuple[Floats, Floats]
     # a step of the amplitude further the error is the same again, half a step further the opposite
     apart = np.abs(np.gradient(amplitude)) if len(amplitude) > 1 else np.ones(1)
     alike = np.clip(0.5 / np.maximum(apart, np.finfo(np.float64).tiny), 1.0, _MOST)
-    return np.asarray(_OF_LEVELS * left * amplitude**-1.5), alike
+    return left * relative_error(amplitude), alike

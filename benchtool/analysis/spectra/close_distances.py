@@ -29,15 +29,16 @@ Fits = TypeVar("Fits", bound=FitsAtDistances)
 def likely_fits(fitted: Callable[[float, float], Fits], nearest: float, farthest: float) -> Fits:
     """Return the fits at distances that are likely, of `fitted` at distances from a first to a last one."""
     first, last = nearest, farthest
-    for left in reversed(range(_PASSES)):
-        fits = fitted(first, last)
+    fits = fitted(first, last)
+    for _ in range(_PASSES - 1):
         apart, near = fits.apart, np.flatnonzero(fits.likely > np.max(fits.likely) - _LIKELY)
         step = float(apart[1] - apart[0])
         narrower = (
             max(nearest, float(apart[near[0]]) - step),
             min(farthest, float(apart[near[-1]]) + step),
         )
-        if not left or narrower == (first, last):
-            return fits
+        if narrower == (first, last):
+            break
         first, last = narrower
-    raise AssertionError
+        fits = fitted(first, last)
+    return fits

@@ -165,12 +165,15 @@ def current_spectrum(
         with_trend,
     )
     errors = replace(errors, beside=close.standard[:highest])
-    changes = amplitude_changes(alone.amplitude, steady.trend, step)
-    unsteady = clean if with_trend is None else with_trend[0]
-    # with no phase but its own, and no harmonic that tells, a line beside it may be all of that
-    beats = by_signal and changes and not (close.turned_rad or harmonics_tell(unsteady, highest))
+    # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
+    beats = (
+        by_signal
+        and not close.turned_rad
+        and amplitude_changes(alone.amplitude, steady.trend, step)
+        and not harmonics_tell(clean if with_trend is None else with_trend[0], highest)
+    )
     if beats:
-        errors.wander[0] = math.nan
+        errors = replace(errors, wander=np.append(math.nan, errors.wander[1:]))
     of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
     beside = None

@@ -9,6 +9,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.quantisation.swept_steps import relative_error
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
 from benchtool.analysis.spectra.phase_following import wander
@@ -30,8 +31,8 @@ _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noi
 _FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _ROUNDS = 3
-_CORRELATED, _FEWEST_CORRELATED = 4.0, 4  # standard deviations; periods
-_OF_STEPS = 2.0 * 0.157  # of q (q / A)^(1/2): twice the rms of what a step q does to an amplitude A
+_FOLLOWS, _FEWEST_THAT_FOLLOW = 4.0, 4  # standard deviations of a correlation; periods
+_OF_STEPS = 2.0  # times the rms of what steps make of an amplitude
 _LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
 
 
@@ -63,12 +64,12 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
 
 def amplitude_changes(amplitude: Floats, trend: AmplitudeTrend | None, step: float) -> bool:
     """Return whether amplitudes of periods, shape (periods,), follow a `trend` or each other, and differ by
-    more than the step of a converter makes them (`quantisation.swept_steps`): what it does to each order
-    turns against the periods, too."""
-    if float(np.std(amplitude)) <= _OF_STEPS * step * math.sqrt(step / float(np.mean(amplitude))):
+    more than the `step` of a converter makes them, which turns against the periods, too."""
+    mean = float(np.mean(amplitude))
+    if step > 0.0 and float(np.std(amplitude)) <= _OF_STEPS * mean * float(relative_error(mean / step)):
         return False
-    is_told = len(amplitude) > _FEWEST_CORRELATED
-    return trend is not None or (is_told and neighbours_alike(amplitude) > _CORRELATED)
+    is_told = len(amplitude) > _FEWEST_THAT_FOLLOW
+    return trend is not None or (is_told and neighbours_alike(amplitude) > _FOLLOWS)
 
 
 def harmonics_tell(spectrum: CoherentSpectrum, orders: int) -> bool:

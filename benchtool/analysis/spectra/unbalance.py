@@ -204,8 +204,10 @@ def _tones(parts: Sequence[CoherentSamples]) -> list[Interharmonics | None]:
 
 
 def _without(part: CoherentSamples, tones: Interharmonics | None) -> CoherentSamples:
+    if tones is None:
+        return part
     place = np.arange(len(part.values)) / len(part.values)
-    return part if tones is None else without(part, tones, Course(place, place))
+    return without(part, tones, Course(place, place))
 
 
 def _of_steps(

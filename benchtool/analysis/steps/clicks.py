@@ -41,13 +41,12 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     if count < _FEWEST:
         return samples, 0
     step = converter_step(samples)
-    apart = _apart(samples, 1)
     mended, hits = samples, 0
     for lag in _APART:
         noise = _OF_MEDIAN * float(np.median(_apart(samples, lag)))
         if not max(noise, step) > 0.0:
             continue
-        mended, hits = _mended(samples, apart, max(_SIGMAS * noise, _STEPS * step))
+        mended, hits = _mended(samples, max(_SIGMAS * noise, _STEPS * step))
         if not too_many(hits, count):
             break
     return mended, hits
@@ -59,9 +58,10 @@ def _apart(samples: Floats, lag: int) -> Floats:
     return np.asarray(np.abs(samples[lag:-lag] - 0.5 * (samples[: -2 * lag] + samples[2 * lag :])))
 
 
-def _mended(samples: Floats, apart: Floats, least: float) -> tuple[Floats, int]:
+def _mended(samples: Floats, least: float) -> tuple[Floats, int]:
     """Return samples, shape (n,), without clicks beyond `least`, and their number; as they are where these
     are too many."""
+    apart = _apart(samples, 1)
     mended, hits = samples, np.zeros(len(samples), dtype=np.bool_)
     for _ in range(_PASSES):  # of clicks side by side one hides the other
         hit = _hit(mended, apart, least) & ~hits
