@@ -28,10 +28,16 @@ _CLEARLY = 2.0  # standard deviations of a share over so many repetitions
 
 @dataclass(frozen=True)
 class Family:
-    """A name, and a function that makes one record and measures it."""
+    """A name, and a function that makes one record and measures it.
+
+    `fixed_within_bound` tells of a bench that is always of one kind among those that its profile allows, such
+    as a sensor of exactly the least bandwidth stated. An uncertainty is of all these kinds (JCGM 100:2008,
+    4.3.7), so that the errors of one kind may be smaller, never larger.
+    """
 
     name: str
     trial: Trial
+    fixed_within_bound: bool = False
 
 
 What = TypeVar("What")
@@ -40,9 +46,12 @@ What = TypeVar("What")
 def families_of(
     trial: Callable[[What, np.random.Generator], Iterable[tuple[Measurement, float]]],
     records: Mapping[str, What],
+    fixed_within_bound: Callable[[What], bool] = lambda _: False,
 ) -> tuple[Family, ...]:
     """Return a family for each kind of record, by its name, of which `trial` makes one and measures it."""
-    return tuple(Family(name, partial(trial, what)) for name, what in records.items())
+    return tuple(
+        Family(name, partial(trial, what), fixed_within_bound(what)) for name, what in records.items()
+    )
 
 
 @dataclass(frozen=True)
@@ -62,10 +71,12 @@ class Score:
     within_U: float
     rms: float
     mean: float
+    fixed_within_bound: bool = False
 
     @property
     def verdict(self) -> str:
-        """`null` (refused), `holds`, `wide` (u too large) or `narrow` (u too small)."""
+        """`null` (refused), `holds`, `wide` (u too large), `narrow` (u too small), or `bound` (errors smaller
+        than u, of a kind that is one of many within a bound)."""
         if self.answered <= _FEWEST_ANSWERS * self.repetitions:
             return "null"
         if self.rms == 0.0:
@@ -75,7 +86,9 @@ class Score:
         covered = max(self.within_2u, self.within_U)
         if covered < LEAST_COVERED - slack or self.rms > LARGEST_RMS * (1.0 + 1.0 / math.sqrt(self.answered)):
             return "narrow"
-        return "wide" if self.rms < LEAST_RMS * (1.0 - 1.0 / math.sqrt(self.answered)) else "holds"
+        if self.rms >= LEAST_RMS * (1.0 - 1.0 / math.sqrt(self.answered)):
+            return "holds"
+        return "bound" if self.fixed_within_bound else "wide"
 
 
 def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
@@ -91,19 +104,21 @@ def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
         except AnalysisError:
             continue
     if not found:
-        yield Score(family.name, "all", repetitions, 0, *(math.nan,) * 5)
+        yield Score(family.name, "all", repetitions, 0, *(math.nan,) * 5, family.fixed_within_bound)
     for name, results in found.items():
-        yield _score(family.name, name, repetitions, results)
+        yield _score(family, name, repetitions, results)
 
 
-def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Measurement, float]]) -> Score:
+def _score(
+    family: Family, name: str, repetitions: int, results: Sequence[tuple[Measurement, float]]
+) -> Score:
     answers = [
         (each.value, truth, each.uncertainty)
         for each, truth in results
         if math.isfinite(each.value) and each.uncertainty is not None
     ]
     if not answers:
-        return Score(family, name, repetitions, 0, *(math.nan,) * 5)
+        return Score(family.name, name, repetitions, 0, *(math.nan,) * 5, family.fixed_within_bound)
     value = np.array([each for each, _, _ in answers])
     truth = np.array([each for _, each, _ in answers])
     standard = np.array([max(each.standard, 1e-300) for _, _, each in answers])
@@ -116,7 +131,7 @@ def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Mea
     error[np.abs(error) < _ROUNDING * np.abs(truth)] = 0.0
     relative = error / standard
     return Score(
-        family,
+        family.name,
         name,
         repetitions,
         len(answers),
@@ -125,6 +140,7 @@ def _score(family: str, name: str, repetitions: int, results: Sequence[tuple[Mea
         float(np.mean(np.abs(error) <= expanded)),
         float(np.sqrt(np.mean(np.clip(relative, -1e6, 1e6) ** 2))),
         float(np.mean(relative)),
+        family.fixed_within_bound,
     )
 
 

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.coverage.families import Family, families_of, selected
-from benchmarks.coverage.sensors import ACTUAL, MOTOR, RATE_HZ, Actual, own_response, stated_sensor
+from benchmarks.coverage.sensors import (
+    ACTUAL,
+    MOTOR,
+    RATE_HZ,
+    Actual,
+    always_one_kind,
+    own_response,
+    stated_sensor,
+)
 from benchtool.analysis import Measurement, analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -130,6 +138,7 @@ FAMILIES: tuple[Family, ...] = (
             for actual in ACTUAL
             for ratio in (3.0, 10.0)
         },
+        always_one_kind,
     ),
     *families_of(
         _response,
@@ -138,5 +147,6 @@ FAMILIES: tuple[Family, ...] = (
             for actual in ACTUAL
             for ratio in (3.0, 10.0)
         },
+        always_one_kind,
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from benchtool.results.block_result import analyze_block
 
 Floats = NDArray[np.float64]
 Actual = Literal["lag", "faster", "second_order", "known", "any"]
+KINDS: tuple[Actual, ...] = ("lag", "faster", "second_order")
+"""Sensors that a statement of the least bandwidth allows; `any` draws one of them for each record."""
 
 RATE_HZ, POLE_PAIRS = 20_000.0, 2
 MOTOR = channels.MOTOR.model_copy(update={"pole_pairs": POLE_PAIRS})
@@ -44,10 +46,22 @@ class Sensed:
     noise: float = 1e-3
 
 
+class Behind(Protocol):
+    """A signal behind sensors."""
+
+    @property
+    def actual(self) -> Actual: ...
+
+
+def always_one_kind(what: Behind) -> bool:
+    """Return whether every record is read by the same of the kinds that the statement allows."""
+    return what.actual in KINDS
+
+
 def own_response(actual: Actual, bandwidth_Hz: float, random: np.random.Generator) -> tuple[float, int]:
     """Return bandwidth and order of a sensor."""
     if actual == "any":
-        actual = ("lag", "faster", "second_order")[random.integers(3)]
+        actual = KINDS[random.integers(len(KINDS))]
     within = 0.01 * _KNOWN_WITHIN_PERCENT
     drawn = {"faster": random.uniform(1.0, _MOST_FASTER), "known": 1.0 + random.uniform(-within, within)}
     factor = drawn.get(actual, 1.0)
@@ -186,7 +200,7 @@ def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[tuple[Mea
     yield from selected(found.measurements, truths)
 
 
-ACTUAL: tuple[Actual, ...] = ("lag", "faster", "second_order", "known", "any")
+ACTUAL: tuple[Actual, ...] = (*KINDS, "known", "any")
 
 FAMILIES: tuple[Family, ...] = (
     *families_of(
@@ -196,6 +210,7 @@ FAMILIES: tuple[Family, ...] = (
             for actual in ACTUAL
             for ratio in (0.5, 1.0, 2.0, 5.0, 20.0)
         },
+        always_one_kind,
     ),
     *families_of(
         _steps,
