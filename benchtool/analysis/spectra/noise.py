@@ -126,9 +126,19 @@ def noise_floor(
     relative = math.hypot(relative, leaked / (total * len(bins))) if total > 0.0 else 0.0
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
-    # a power that is low by chance is taken for a sure one: that of two standard uncertainties above
-    of_root = 0.5 * relative * (1.0 + 2.0 * relative)
+    of_root = _of_what_is_stated(0.5 * relative)
     return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
+
+
+def _of_what_is_stated(relative: float) -> float:
+    """Return the rms of errors in units of the value found, of which `relative` is that of the value sought.
+
+    A level that is low by chance is stated with a small uncertainty. Powers and their roots are lognormal
+    enough: the rms of 1 - exp(-y), y normal, by its moments (Johnson, Kotz and Balakrishnan, Continuous
+    Univariate Distributions, vol. 1, 14.3).
+    """
+    square = relative**2
+    return math.sqrt(math.exp(2.0 * square) - 2.0 * math.exp(0.5 * square) + 1.0)
 
 
 def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
@@ -163,7 +173,8 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
 def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:
     """Return the exponent of frequency with which the density changes in each band, by the medians of those
     around."""
-    centre = np.log([math.sqrt(float(bins[each.start]) * float(bins[each.stop - 1])) for each in bands])
+    # where a density rises or falls all through a band, its median is that of the bin in the middle
+    centre = np.log([float(bins[(each.start + each.stop) // 2]) for each in bands])
     with np.errstate(divide="ignore"):
         level = np.log([_median(square[each]) for each in bands])
     found = []
