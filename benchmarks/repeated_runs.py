@@ -1,6 +1,6 @@
 """Whether runs of one plan differ as stated: `python -m benchmarks.repeated_runs [--runs N] [PLAN ...]`.
 
-Each plan is run several times on the emulated bench, with another seed of its noise each time, and recorded at
+Each plan is run several times on the emulated bench, with another seed of its noise, and recorded at
 another moment, so that the record begins at another angle of the rotor. For each measurement of all cases
 printed is the standard deviation of its values over the rms of its u, the median over the cases, and how many
 differences of the first run and the second, the third and the fourth, and so on, exceed their expanded
