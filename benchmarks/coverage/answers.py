@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,8 @@ class Answer:
 
     `noise` and the amplitude of a `ripple`, with its period in rows, are relative to the step; `spikes` are a
     share of the rows and their height. Rows are late or early by up to `jitter`, each sample is held for
-    `held` of them, and a `walk` is added, each of whose steps has that standard deviation.
+    `held` of them, `held_since` rows before the first, and a `walk` is added, each of whose steps has that
+    standard deviation.
     """
 
     modes: tuple[Mode, ...]
@@ -61,7 +62,17 @@ class Answer:
     ripple: tuple[float, float] = (0.0, 1.0)
     jitter: float = 0.0
     held: int = 1
+    held_since: int = 0
     walk: float = 0.0
+
+    def anywhere(self, random: np.random.Generator) -> Answer:
+        """Return one whose dead time ends anywhere within a row, and whose holds begin in any row: neither is
+        that of the recorder, and within these no record tells it."""
+        return replace(
+            self,
+            delay=self.delay + random.uniform(-0.5, 0.5),
+            held_since=int(random.integers(self.held)),
+        )
 
     def course(self, since: Floats) -> Floats:
         """Return the answer without noise at times since the step, in rows."""
@@ -87,11 +98,13 @@ class Answer:
         hit = random.random(count) < share
         y[hit] += height * random.choice([-1.0, 1.0], int(np.sum(hit)))
         y += np.cumsum(self.walk * random.standard_normal(count))
-        return np.asarray(y[np.arange(count) // self.held * self.held])
+        held = (np.arange(count) + self.held_since) // self.held * self.held - self.held_since
+        return np.asarray(y[np.maximum(held, 0)])
 
 
 def _trial(what: Answer, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
     """Yield the numbers of one step response, with the row of the step known."""
+    what = what.anywhere(random)
     before, after = what.rows
     slower = random.uniform(*_VARIED)
     row = np.arange(-before, after, dtype=np.float64)
