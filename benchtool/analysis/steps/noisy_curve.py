@@ -22,7 +22,7 @@ from benchtool.analysis.steps.bursts import noise_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.steps.tops import Top, kink, parabola
+from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola
 
 Floats = NDArray[np.float64]
 
@@ -225,17 +225,18 @@ class NoisyCurve:
     def least_after_greatest(self) -> tuple[float, float]:
         """Return the least value after the greatest, and its standard uncertainty.
 
-        Of two peaks alike either may be the greatest: what follows is that after the one, or the other. What
-        noise lowers the least by is no difference of both.
+        Of peaks alike any may be the greatest: what follows each counts by how often the draws make it that.
         """
         top = int(np.argmax(self.values))
-        lowest, standard = NoisyCurve(-self.values, -self.errors).greatest(kinked=True, begin=top)
-        after = np.minimum.accumulate(self.values[::-1])[::-1]
         tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
-        lowered = max(0.0, -lowest - float(after[top]))
-        apart = np.maximum(np.abs(after[tops] - after[top]) - lowered, 0.0)
-        other = float(np.sqrt(np.mean(apart**2)))
-        return -lowest, math.hypot(standard, other)
+        after = np.minimum.accumulate(self.values[::-1])[::-1]
+        levels, counts = np.unique(after[tops], return_counts=True)
+        begins = [int(np.max(np.extract(after[tops] == level, tops))) for level in levels]
+        turned = NoisyCurve(-self.values, -self.errors)
+        least, _ = turned.greatest(kinked=True, begin=top)
+        found = np.array([turned.greatest(kinked=True, begin=begin) for begin in begins])
+        square = found[:, 1] ** 2 + (found[:, 0] - least) ** 2
+        return -least, math.sqrt(float(counts @ square) / len(tops))
 
     def lowered_after_greatest(self, lowest: float) -> float:
         """Return by how much noise is taken to lower the least value after the greatest, which without it is
@@ -247,12 +248,14 @@ class NoisyCurve:
         top = int(np.argmax(self.values))
         alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
         if alike > 1:  # on one level of a converter
-            return Instant(top + 0.5 * (alike - 1), alike / math.sqrt(12.0))
+            return Instant(*middle_of_level(self.values, top, top + alike - 1))
         vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
+        # of a draw the parabola stands for a kink too: what both differ by is no noise
+        smooth = top + parabola(self.values, top).beside
         drawn = self.values + self.errors
         tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
-        moved = [at + parabola(each, int(at)).beside - place for each, at in zip(drawn, tops, strict=True)]
+        moved = [at + parabola(each, int(at)).beside - smooth for each, at in zip(drawn, tops, strict=True)]
         of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
         return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
 

@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 
 _OUTSIDE = 0.1  # of the bend at a kink: what the curve bends by on both sides of it
 _ROUNDING = 1e-9  # of a slope
+_WIDER = 1.0  # rows, as both ends are uncertain by: less tells nothing of what a level is wider by
 _SIGNIFICANT = 5.0  # standard deviations of a second difference that noise alone does not have
 _OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a sample
 
@@ -46,6 +47,33 @@ def parabola(values: Floats, top: int) -> Top:
     above = -(slope**2) / (2.0 * bend)
     doubt = above * min(1.0, uneven / abs(bend)) / math.sqrt(3.0)
     return Top(above, math.hypot(uneven / 16.0, doubt), place, min(0.5, uneven / (4.0 * abs(bend))))
+
+
+def middle_of_level(values: Floats, first: int, last: int) -> tuple[float, float]:
+    """Return where the peak of values, shape (n,), is that are all on one level of a converter from a first
+    row to a last, and the standard uncertainty of that place.
+
+    A level begins and ends anywhere between two rows. The middle of the two highest levels together is
+    further from the peak: by the square of their width under a smooth peak, and by their width at a corner.
+    The middle of both is taken. Where only the highest level is known it is anywhere within that.
+    """
+    middle, width = 0.5 * (first + last), last - first + 1.0
+    within = width / math.sqrt(12.0)
+    if not 0 < first <= last < len(values) - 1:
+        return middle, within
+    below = max(values[first - 1], values[last + 1])
+    low = np.flatnonzero(values < below)
+    before, after = low[low < first], low[low > last]
+    if not (len(before) and len(after)):
+        return middle, within
+    wider = float(after[0] - before[-1]) - 1.0
+    shift = 0.5 * float(before[-1] + after[0]) - middle
+    if wider < width + _WIDER:
+        return middle, within
+    smooth, corner = width**2 / (wider**2 - width**2), width / (wider - width)
+    share = 0.5 * (smooth + corner)
+    of_ends = math.hypot(1.0 + share, share) / math.sqrt(24.0)
+    return middle - share * shift, min(within, math.hypot(of_ends, 0.5 * (corner - smooth) * shift))
 
 
 def kink(values: Floats, top: int, noise: float) -> Top | None:

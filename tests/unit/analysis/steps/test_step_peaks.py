@@ -142,3 +142,25 @@ def test_a_corner_just_after_its_row_is_as_uncertain_as_the_courses_bend() -> No
     assert found is not None
     assert abs(found.above + float(course[20])) < 2.0 * found.above_error
     assert found.above_error < 2e-4
+
+
+def test_a_corner_without_noise_is_known_between_rows() -> None:
+    row, corner = np.arange(1000.0) - BEFORE, 84.3
+    falls = 1.0 + 0.2 * np.exp(-np.maximum(row - corner, 0.0) / 50.0)
+    found = _measured(np.where(row < corner, 1.2 / corner * np.maximum(row, 0.0), falls))["peak_time"]
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard < 0.02 / RATE_HZ
+    assert abs(_relative(found, corner / RATE_HZ)) < 2.0
+
+
+def test_what_follows_a_crest_is_uncertain_by_which_crest_is_the_greatest() -> None:
+    """Crests that decay by a tenth each, in noise as large as they differ by."""
+    random, missed = np.random.default_rng(6), []
+    at = np.arange(400.0)
+    course = 0.01 * np.exp(-at / 200.0) * np.cos(2.0 * np.pi * at / 40.0)
+    for _ in range(40):
+        noise = random.standard_normal((61, len(at) + 10)).cumsum(axis=1)
+        noise = 5e-4 * (noise[:, 10:] - noise[:, :-10])
+        found, standard = NoisyCurve(course + noise[0], noise[1:]).least_after_greatest()
+        missed.append((found - float(np.min(course))) / standard)
+    assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.4

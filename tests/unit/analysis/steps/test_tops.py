@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tops import kink, parabola
+from benchtool.analysis.steps.tops import kink, middle_of_level, parabola
 
 
 @pytest.mark.parametrize("place", [0.1, 0.4, 0.7, 0.95])
@@ -43,3 +45,28 @@ def test_noise_is_no_kink() -> None:
         values = random.standard_normal(41)
         top = 3 + int(np.argmax(values[3:-3]))
         assert kink(values, top, 1.0) is None
+
+
+def test_the_peak_of_a_level_is_told_by_the_level_below() -> None:
+    """Peaks that fall faster than they rise, and corners that fall at once, on steps of a twentieth."""
+    random, missed = np.random.default_rng(8), []
+    for number in range(200):
+        place = 40.0 + random.uniform()
+        at, ahead = np.arange(80.0) - place, random.uniform(5.0, 30.0)
+        if number % 2:
+            values = 1.0 - (at / 10.0) ** 2 * np.where(at < 0.0, 0.8, 1.0)
+        else:
+            values = 1.0 - np.where(at < 0.0, -at / ahead, at / 30.0)
+        level = np.round((values + random.uniform(0.0, 0.05)) / 0.05)
+        top = np.flatnonzero(level == np.max(level))
+        found, standard = middle_of_level(level, int(top[0]), int(top[-1]))
+        assert standard <= len(top) / math.sqrt(12.0)
+        missed.append((found - place) / standard)
+    assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.3
+
+
+def test_a_level_without_one_below_it_on_both_sides_holds_its_peak_anywhere() -> None:
+    for first, last in ((0, 3), (5, 8), (2, 5)):
+        values = np.zeros(9)
+        values[first : last + 1] = 1.0
+        assert middle_of_level(values, first, last) == (0.5 * (first + last), 4.0 / math.sqrt(12.0))
