@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cache
+from statistics import NormalDist
 
 import numpy as np
 from numpy import fft
@@ -46,6 +47,7 @@ _NEIGHBOURS = 2  # values that count as one by chance alone
 _GUMBEL = math.pi / math.sqrt(6.0)
 _EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
 _OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
+_INDICES = 16  # of a tail, each as likely
 _DIFFERS = 3.0  # standard deviations of an index
 _FEWEST_OVER_TAIL = (
     4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
@@ -352,13 +354,14 @@ def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
 
 
-def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
+def scatter_of_largest(values: NDArray[np.float64], *tails: float) -> float:
     """Return standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
 
     Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
-    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index `tail`
-    that `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's. Of correlated
+    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index that
+    `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's; of several indices,
+    each as likely, the mean of the variances is taken. Of correlated
     values few maxima are left, whose top says little: their own deviation, or that above the median where it
     is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
     deviation of all are the least.
@@ -379,7 +382,8 @@ def scatter_of_largest(values: NDArray[np.float64], tail: float = 0.0) -> float:
         least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
-    return max(least, _of_extreme(tail, beyond) * excess)
+    square = sum(_of_extreme(tail, beyond) ** 2 for tail in tails) / len(tails) if tails else _GUMBEL**2
+    return max(least, math.sqrt(square) * excess)
 
 
 def _above_median(values: NDArray[np.float64]) -> float:
@@ -440,18 +444,24 @@ def _is_of_all(found: tuple[float, float], further: list[tuple[float, float]]) -
     return all(index - of <= _DIFFERS * math.sqrt(max(0.0, u**2 - standard**2)) for of, u in further)
 
 
-def tail_index_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> float:
-    """Return the index of the tails of deviations about zero, shape (n,), that are known to be heavier than
-    normal ones, by their kurtosis say.
+def tail_indices_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> tuple[float, ...]:
+    """Return indices, each as likely, of the tails of deviations about zero, shape (n,), that are known to be
+    heavier than normal ones, by their kurtosis say; none where the values are too few to tell.
 
-    That of exponential tails is then as little known as that of a power law: what the moment estimator gives,
-    at least 0, and half its standard deviation, over the largest twenty at least.
+    That of exponential tails is then as little known as that of a power law: the moment estimator over the
+    largest twenty at least has a normal error, and the index is none below 0. Far more than in proportion to
+    the index does the largest value scatter: one in the middle of these gives too little.
     """
     top = min(max(len(deviations) // of_tail, _FEWEST_OF_TAIL), _MOST_OF_TAIL)
     if len(deviations) <= _FEWEST_OVER_TAIL * top:
-        return 0.0
+        return ()
     index, standard = _moment_estimate(np.abs(deviations), top)
-    return max(0.0, index) + 0.5 * standard
+    if not standard > 0.0:
+        return ()
+    found = NormalDist(index, standard)
+    below = found.cdf(0.0)
+    shares = below + (1.0 - below) * (np.arange(_INDICES) + 0.5) / _INDICES
+    return tuple(found.inv_cdf(each) for each in shares.tolist() if each < 1.0)
 
 
 def _moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:

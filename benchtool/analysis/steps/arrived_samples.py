@@ -21,7 +21,7 @@ from benchtool.analysis.statistics.scatter import (
     error_of_series,
     scatter_of_largest,
     tail_index,
-    tail_index_of_heavy,
+    tail_indices_of_heavy,
 )
 from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve, left_of_steps
 from benchtool.analysis.steps.smoothing import Noise
@@ -38,7 +38,7 @@ _SEED, _DRAWS, _FEWEST_DRAWS = 20_261_123, 80, 20
 _MOST_VALUES = 1 << 22  # of all draws together, 32 MiB
 _FAR = 3.0  # standard deviations by which a value may be greater
 _STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
-_OF_TAIL = 40  # one sample in so many is of the tail
+_OF_TAIL, _OF_HEAVY_TAIL = 40, 10  # one sample in so many is of the tail, or of one known to be heavy
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _PLACES = 32  # in which an instant may be, each as likely
@@ -206,21 +206,28 @@ class ArrivedSamples:
         greatest = again[np.arange(len(again)), tops]
         course = side(self.course)
         deviations = side(self.values) - course
-        # where the largest deviation would make it the greatest, as that mostly is
-        open_to = course + np.max(deviations) >= np.median(greatest)
-        on_a_level = self._of_level(deviations[open_to], side) if self.at_rest else 0.0
+        # where the largest deviation would make it the greatest, as that mostly is in another record
+        largest = float(np.max(deviations)) + self._of_level(deviations, side)
+        open_to = course + largest >= np.median(greatest)
+        # draws of heavy noise have nothing larger than the samples that they are made of
+        tells_more = self.at_rest or self._is_heavy
+        on_a_level = self._of_level(deviations[open_to], side) if tells_more else 0.0
         return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
         """Return the scatter of the largest of deviations, shape (n,), on one level."""
         if len(deviations) < _FEWEST_SAMPLES:
             return 0.0
-        index = (tail_index_of_heavy if self._is_heavy else tail_index)(deviations, _OF_TAIL)
+        if self._is_heavy:
+            tails = tail_indices_of_heavy(deviations, _OF_HEAVY_TAIL)
+        else:
+            tails = (tail_index(deviations, _OF_TAIL),)
         maxima = _maxima(deviations)
-        scatter = scatter_of_largest(maxima, index)
-        if not index and is_no_heavier_than_normal(self._settled - self.course[-1]):
+        scatter = scatter_of_largest(maxima, *tails)
+        rest = slice(-self.at_rest, None)  # all of them where none are at rest
+        if not any(tails) and is_no_heavier_than_normal(self.values[rest] - self.course[rest]):
             return min(scatter, scatter_of_largest_of_normal(maxima, self.noise.rms))
-        known = side(self._settled) - side(self.course[-1:])
+        known = side(self.values[rest]) - side(self.course[rest])
         if self._is_heavy and (clicks := clicks_apart(known, self.step)) is not None:
             of_clicks = clicks.scatter_of_largest(len(deviations) / len(known))
             tail = 1.0 - clicks.probability

@@ -17,7 +17,7 @@ from benchtool.analysis.statistics.scatter import (
     is_memory_untold,
     scatter_of_largest,
     tail_index,
-    tail_index_of_heavy,
+    tail_indices_of_heavy,
 )
 
 
@@ -111,14 +111,21 @@ def test_few_values_far_larger_than_all_others_are_no_heavy_tail() -> None:
     assert sum(each == 0.0 for each in found) >= 7
 
 
-def test_tails_known_to_be_heavy_have_an_index_also_where_it_is_not_significant() -> None:
+def test_tails_known_to_be_heavy_have_indices_also_where_none_is_significant() -> None:
     random = np.random.default_rng(5)
     few = [random.standard_t(3.0, 400) for _ in range(40)]
     assert all(tail_index(each, 40) == 0.0 for each in few)
-    heavy = [tail_index_of_heavy(each, 40) for each in few]
-    assert 0.2 < float(np.median(heavy)) < 0.6
-    assert min(heavy) > 0.0
-    assert tail_index_of_heavy(np.ones(400), 40) == tail_index_of_heavy(few[0][:60], 40) == 0.0
+    heavy = [tail_indices_of_heavy(each, 40) for each in few]
+    assert 0.2 < float(np.median(heavy)) < 0.5
+    assert np.min(heavy) > 0.0
+    assert tail_indices_of_heavy(np.ones(400), 40) == tail_indices_of_heavy(few[0][:60], 40) == ()
+
+
+def test_of_several_indices_of_a_tail_the_variances_are_averaged() -> None:
+    values = np.abs(np.random.default_rng(7).standard_t(3.0, 400))
+    of_each = [scatter_of_largest(values, index) for index in (0.0, 0.3)]
+    assert scatter_of_largest(values, 0.0, 0.3) == pytest.approx(math.hypot(*of_each) / math.sqrt(2.0))
+    assert scatter_of_largest(values) == of_each[0] < of_each[1]
 
 
 def test_the_largest_of_a_heavy_tail_scatters_more() -> None:

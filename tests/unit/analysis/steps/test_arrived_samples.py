@@ -125,3 +125,18 @@ def test_the_largest_of_clicks_of_one_size_differs_as_they_do() -> None:
         values[hit] += 10.0 * NOISE * random.choice([-1.0, 1.0], int(np.sum(hit)))
         found.append(_standard(_samples(values).of_greatest()))
     assert 0.4 * NOISE < np.median(found) < 2.0 * NOISE
+
+
+def test_heavy_noise_has_larger_values_than_the_record_also_where_none_is_at_rest() -> None:
+    """A record of few samples after the answer has settled, of which no twenty are at rest."""
+    random, greatest, standard = np.random.default_rng(12), [], []
+    for _ in range(40):
+        noise = NOISE * random.standard_t(3, ROWS)
+        samples = COURSE + noise
+        curve = NoisyCurve(COURSE, np.empty((0, ROWS)))
+        begin = Instant(0.6 * ROWS, 0.1)
+        found = ArrivedSamples.of(samples, curve, begin, 0.0, Noise.of(noise), 0.0)
+        assert found.at_rest == 0
+        greatest.append(float(np.max(found.values)))
+        standard.append(_standard(found.of_greatest()))
+    assert 0.4 < float(np.std(greatest)) / float(np.sqrt(np.mean(np.square(standard)))) < 1.6
