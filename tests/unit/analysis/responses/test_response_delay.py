@@ -85,3 +85,22 @@ def test_the_definition_says_where_the_line_begins_and_ends() -> None:
     assert "up to bandwidth_3dB from the lowest frequency used, here from 10 Hz to 60 Hz" in ended
     without = _delay(np.arange(1.0, 100.0), _two_poles(np.arange(1.0, 100.0), 0.5), None).definition
     assert "up to the highest frequency used from a tenth of that, here from 9.9 Hz to 99 Hz" in without
+
+
+@pytest.mark.parametrize("lines", [8, 1000])
+def test_even_errors_have_the_uncertainty_of_a_least_squares_slope(lines: int) -> None:
+    frequency_Hz = np.linspace(10.0, 100.0, lines)
+    response = np.exp(-2j * math.pi * frequency_Hz * 1e-3)
+    across = frequency_Hz - np.mean(frequency_Hz)
+    expected = _ERROR / float(np.linalg.norm(across)) / (2.0 * math.pi)
+    found = _standard(_delay(frequency_Hz, response, None))
+    assert found == pytest.approx(expected, rel=0.02 if lines > 100 else 0.3)
+
+
+def test_the_lowest_frequency_counts_where_the_line_begins_there() -> None:
+    """Of three alike, along straight lines between them, each end counts -/+ 1/2 over their distance."""
+    frequency_Hz, error = np.array([20.0, 30.0, 40.0]), np.array([_ERROR, 0.0, 0.0])
+    response = np.exp(-2j * math.pi * frequency_Hz * 1e-3)
+    phase = np.unwrap(np.angle(response))
+    found = response_delay(frequency_Hz, np.abs(response), phase, error, None, _BASIS)
+    assert _standard(found) == pytest.approx(0.5 * _ERROR / 10.0 / (2.0 * math.pi), rel=1e-3)
