@@ -206,12 +206,12 @@ class ArrivedSamples:
         greatest = again[np.arange(len(again)), tops]
         course = side(self.course)
         deviations = side(self.values) - course
-        # where the largest deviation would make it the greatest, as that mostly is in another record
-        largest = float(np.max(deviations)) + self._of_level(deviations, side)
-        open_to = course + largest >= np.median(greatest)
         # draws of heavy noise have nothing larger than the samples that they are made of
-        tells_more = self.at_rest or self._is_heavy
-        on_a_level = self._of_level(deviations[open_to], side) if tells_more else 0.0
+        larger = self._of_level(deviations, side) if self._is_heavy else 0.0
+        # where the largest deviation would make it the greatest, as that mostly is
+        open_to = course + np.max(deviations) + larger >= np.median(greatest)
+        is_level = self.at_rest or self._is_heavy
+        on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
         return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
     def _of_level(self, deviations: Floats, side: Side) -> float:

@@ -108,7 +108,8 @@ def test_four_blocks_of_two_rows_at_each_end_are_the_fewest() -> None:
 
 def test_an_input_that_never_moves_has_no_rests() -> None:
     found = drift_between_rests(np.ones(len(_FEW)), 5.0 * _FEW)
-    assert not len(found.doubts) and not np.any(found.course)
+    assert not len(found.doubts)
+    assert not np.any(found.course)
 
 
 def test_a_drift_of_several_deviations_is_found_and_one_of_few_is_not() -> None:
