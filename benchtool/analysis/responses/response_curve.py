@@ -213,7 +213,10 @@ class ResponseCurve:
         square = ResponseCurve(place[near], inverse, error, 1.0)
         is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
         if not is_followed and self.between is not None:
-            return self._greatest_between(top, self.between)
+            found, standard = self._greatest_between(top, self.between)
+            # of several alike the top is one that errors have raised
+            raised = max(0.0, float(self.smooth[top]) - self.greatest()[0])
+            return found - raised, standard
         found = square.least_near(float(place[top])) if is_followed else None
         if found is None:
             return self.greatest()
