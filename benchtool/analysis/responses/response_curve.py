@@ -211,17 +211,20 @@ class ResponseCurve:
         inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
         error = inverse * self.error[near] / _NEPER_OF_POWER_DB
         square = ResponseCurve(place[near], inverse, error, 1.0)
+        # of several alike the top is one that errors have raised
+        raised = max(0.0, float(self.smooth[top]) - self.greatest()[0])
         is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
         if not is_followed and self.between is not None:
             found, standard = self._greatest_between(top, self.between)
-            # of several alike the top is one that errors have raised
-            raised = max(0.0, float(self.smooth[top]) - self.greatest()[0])
             return found - raised, standard
-        found = square.least_near(float(place[top])) if is_followed else None
-        if found is None:
+        vertex = square.least_near(float(place[top])) if is_followed else None
+        if vertex is None:
             return self.greatest()
-        least, standard = found
-        return float(self.smooth[top]) - 10.0 * math.log10(least), _NEPER_OF_POWER_DB * standard / least
+        least, standard = vertex
+        standard *= _NEPER_OF_POWER_DB / least
+        # a least-squares fit has as much of the error of one of its values as their variances are alike
+        share = min(1.0, (standard / float(self._smooth_error[top])) ** 2)
+        return float(self.smooth[top]) - 10.0 * math.log10(least) - share * raised, standard
 
     def _is_followed(self, frequency_Hz: float) -> bool:
         """Return whether a parabola follows the values about a frequency."""
