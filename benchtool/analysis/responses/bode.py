@@ -328,8 +328,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "dB",
             "greatest gain over `response_gain`: least value of `1 / gain^2` as a parabola of `f^2` through "
             "as many neighbours as it describes within their errors, shortened, or between few the greatest "
-            "of a cubic of the reciprocal of the response; without such a peak the greatest value, less what "
-            "its errors add on average; as it is at least 0, the median of the "
+            "of a cubic of the reciprocal of the response; without such a peak the greatest value; less what "
+            "errors add on average to the greatest of several; as it is at least 0, the median of the "
             "part of its distribution that is above. Undefined where it is uncertain by more than 0.9 dB, "
             "and where the gain neither shows a peak nor falls by 3 dB in the frequencies used",
         ),

@@ -211,8 +211,9 @@ class ResponseCurve:
         inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
         error = inverse * self.error[near] / _NEPER_OF_POWER_DB
         square = ResponseCurve(place[near], inverse, error, 1.0)
-        # of several alike the top is one that errors have raised
-        raised = max(0.0, float(self.smooth[top]) - self.greatest()[0])
+        # of several alike the top is one that errors have raised, by its own, the greatest of so many
+        own = float(self._smooth_error[top])
+        raised = max(0.0, min(float(self.smooth[top]) - self.greatest()[0], own * self._greatest_error))
         is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
         if not is_followed and self.between is not None:
             found, standard = self._greatest_between(top, self.between)
@@ -220,11 +221,16 @@ class ResponseCurve:
         vertex = square.least_near(float(place[top])) if is_followed else None
         if vertex is None:
             return self.greatest()
-        least, standard = vertex
-        standard *= _NEPER_OF_POWER_DB / least
+        least, standard, by_place = vertex
+        standard, by_place = (_NEPER_OF_POWER_DB * each / least for each in (standard, by_place))
         # a least-squares fit has as much of the error of one of its values as their variances are alike
-        share = min(1.0, (standard / float(self._smooth_error[top])) ** 2)
-        return float(self.smooth[top]) - 10.0 * math.log10(least) - share * raised, standard
+        raised = max(0.0, min(1.0, (standard / own) ** 2) * raised - by_place)
+        return float(self.smooth[top]) - 10.0 * math.log10(least) - raised, standard
+
+    @property
+    def _greatest_error(self) -> float:
+        """What the greatest of so many normal errors is at most on average, in standard deviations."""
+        return math.sqrt(2.0 * math.log(len(self.values)))
 
     def _is_followed(self, frequency_Hz: float) -> bool:
         """Return whether a parabola follows the values about a frequency."""
@@ -245,9 +251,10 @@ class ResponseCurve:
             found.append((float(values[place]), float(errors[place])))
         return max(found)
 
-    def least_near(self, start: float) -> tuple[float, float] | None:
-        """Return the least value near a place, and its standard uncertainty; None where the values of a local
-        fit are not least within it, or not above zero there."""
+    def least_near(self, start: float) -> tuple[float, float, float] | None:
+        """Return the least value near a place, its standard uncertainty, and what is in it against errors
+        that place it where they lower it; None where the values of a local fit are not least within it, or
+        not above zero there."""
         for _ in range(_VERTICES):
             short, long = self._fits(start)
             place = short.vertex
@@ -262,7 +269,7 @@ class ResponseCurve:
         left = _LEFT_OF_CHANGE * (long.value_at(other) - least)
         least += by_place
         standard = math.hypot(short.error_at(place), left, short.left_out(place), by_place)
-        return (least, standard) if least > _CLEAR * standard else None
+        return (least, standard, by_place) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty."""

@@ -227,3 +227,17 @@ def test_a_drift_between_two_rests_is_no_response() -> None:
     low = still.frequency_Hz < 100.0
     np.testing.assert_allclose(drifting.response[low], still.response[low], atol=5e-3)
     np.testing.assert_array_equal(drifting.trusted[low], still.trusted[low])
+
+
+@pytest.mark.parametrize("frequency_Hz", [np.arange(5.0, 900.0, 5.0), np.geomspace(2.0, 900.0, 40)])
+def test_a_lag_in_noise_has_no_resonance_on_average(frequency_Hz: Floats) -> None:
+    relative, error = [], 0.06
+    lag = 1.0 / (1.0 + 1j * frequency_Hz / 120.0)
+    for seed in range(40):
+        parts = np.random.default_rng(seed).standard_normal((2, len(lag)))
+        noisy = lag * (1.0 + error * (parts[0] + 1j * parts[1]))
+        curve = ResponseCurve.of_gain(frequency_Hz, noisy, np.full(len(lag), error), 3.0)
+        peak_dB, standard_dB = curve.resonance()
+        relative.append(peak_dB / standard_dB)
+    assert abs(float(np.mean(relative))) < 0.4
+    assert 0.5 < float(np.sqrt(np.mean(np.square(relative)))) < 1.2
