@@ -58,6 +58,7 @@ from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
     Component,
+    coherent_samples,
     largest_low_component,
     spectrum_of,
 )
@@ -111,28 +112,19 @@ def current_spectrum(
     """
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
-    coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
-    spectrum = spectrum_of(coherent)
-    turns = _turns(track, len(samples))
-    course = course_of(turns, FIRST_ROW, coherent)
     step = resolution(samples)
-    others, close = _no_harmonics(spectrum, coherent, course, step)
-    by_signal = track.residual_rad is None and track.departure is None
-    for _ in range(_ROUNDS):
-        taken = together(others, close.lines)
-        if not by_signal or taken is None:
-            break
-        # which pull at the fit of its frequency
-        passed = (np.arange(len(samples)) - FIRST_ROW) / coherent.samples
-        track = track_tone(samples - taken.at(Course(turns / coherent.periods, passed)), channel)
+    for number in range(_ROUNDS + 1):
         coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
         spectrum = spectrum_of(coherent)
         turns = _turns(track, len(samples))
         course = course_of(turns, FIRST_ROW, coherent)
         others, close = _no_harmonics(spectrum, coherent, course, step)
-        by_signal = track.departure is None
-        if not close.turned_rad:
+        taken = together(others, close.lines)
+        by_signal = track.residual_rad is None and track.departure is None
+        if taken is None or not by_signal or number == _ROUNDS or (number and not close.turned_rad):
             break
+        # which pull at the fit of its frequency
+        track = track_tone(samples - taken.at(_of_rows(turns, coherent)), channel)
     basis = _basis(coherent, spectrum, track)
     floor = noise_floor(spectrum)
     highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
@@ -147,7 +139,6 @@ def current_spectrum(
     clean, with_trend = spectrum_of(steady.samples), None
     if steady.trend is not None:
         with_trend = spectrum_of(cleaned), steady.trend.of_level
-    taken = together(others, close.lines)
     lines = basis if taken is None else replace(basis, window=f"{basis.window}, without {taken.words}")
     wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
     level = level_of(samples, step)
@@ -165,6 +156,10 @@ def current_spectrum(
         with_trend,
     )
     errors = replace(errors, beside=close.standard[:highest])
+    on_its_own = seen
+    if taken is not None and track.departure is not None:
+        rest = samples - taken.at(_of_rows(turns, coherent))
+        on_its_own = wander(coherent_samples(rest, block.sample_rate_Hz, track, channel, every=True))
     # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
     beats = (
         by_signal
@@ -189,7 +184,7 @@ def current_spectrum(
         frequency(
             clean if by_signal else spectrum,
             track,
-            seen,
+            on_its_own,
             basis,
             rate_relative,
             sound.of_ratios or (_BEATS if beats else ""),
@@ -228,6 +223,12 @@ def _no_harmonics(
     others = between_harmonics(coherent, spectrum, course)
     clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
     return others, close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step)
+
+
+def _of_rows(turns: NDArray[np.float64], coherent: CoherentSamples) -> Course:
+    """Return where all rows of the record are; `turns`, shape (rows,), as by `_turns`."""
+    passed = (np.arange(len(turns)) - FIRST_ROW) / coherent.samples
+    return Course(turns / coherent.periods, passed)
 
 
 def _turns(track: PhaseTrack, count: int) -> NDArray[np.float64]:

@@ -39,8 +39,6 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_USUALLY = 1.0 / 3.0  # of the most that is left
-_LEFT_OF_ROUNDS = 1.0 / 8.0  # of a phase that is followed in three rounds, each of which leaves a half
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
@@ -126,7 +124,7 @@ def frequency(
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
     turned_rad, lines, source = _turned(spectrum, track, seen, by_tone, step)
-    if by_tone and track.departure is None:
+    if by_tone:
         lines.append(Contribution("a line beside the fundamental", "B", beside_rad))
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in lines]
     clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
@@ -239,8 +237,7 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
-    What a bend within a period does to its phase is alike at both ends, but for how the bend varies, and so
-    is what is left of a steady bend: in the difference it counts by how much farther one end is.
+    What a bend within a period does to its phase is alike at both ends, but for how the bend varies.
     """
     marks = _marks(track, seen)
     per_period = float(marks[1] - marks[0])
@@ -254,16 +251,7 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     ]
     square = 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
     square += going_on.error2(before) + going_on.error2(after)
-    square += (0.5 * _left_of_rounds(track, seen, marks) * (after**2 - before**2)) ** 2
     return ends_rad[1] - ends_rad[0], math.sqrt(square)
-
-
-def _left_of_rounds(track: PhaseTrack, seen: Wander, marks: NDArray[np.float64]) -> float:
-    """Return what the rounds of following leave of a steady bend, rad a period each period."""
-    bend = _USUALLY * _LEFT_OF_ROUNDS * float(np.mean(np.diff(track.at(marks), n=2)))
-    parabola, covariance = np.polyfit(np.arange(len(marks)), seen.phase_rad, 2, cov="unscaled")
-    scatter = float(np.std(seen.phase_rad)) * math.sqrt(float(covariance[0, 0]))
-    return math.hypot(bend, 2.0 * float(parabola[0]), 2.0 * scatter)
 
 
 def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:

@@ -171,23 +171,28 @@ def follow(
 
     smooth = along(track)
     angle = along_angle(track, smooth.coherent.samples / smooth.coherent.periods)
-    found, doubt = smooth, np.empty(0)
+    found, undecided = smooth, None
     for other in (angle.of_periods, angle.within):
         if other is None:
             continue
         by_angle = along(other)
-        if other is not angle.within or by_angle.is_clearly(other_than=found):
-            found = by_angle if by_angle.off_line < found.off_line else found
-            continue
-        within = within_periods(found.phasors, by_angle.phasors)
-        found, doubt = by_angle if within.are_of_rotor else found, within.standard
+        if other is angle.within and not by_angle.is_clearly(other_than=found):
+            undecided = by_angle
+        elif by_angle.off_line < found.off_line:
+            found = by_angle
     jump_rad, jumps_alone = found.seen.jump_rad, found.seen.jumps_alone
     by_tone = _followed(samples, sample_rate_Hz, found, name)
     if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
-        other_way = _followed(samples, sample_rate_Hz, smooth, name)
-        if other_way.off_line < by_tone.off_line and other_way.is_clearly(other_than=by_tone):
-            by_tone = other_way
+        by_tone = _followed(samples, sample_rate_Hz, smooth, name).if_clearly_better_than(by_tone)
+    doubt = np.empty(0)
+    if undecided is not None:  # by what both have in common, such as a slip
+        by_angle = _followed(samples, sample_rate_Hz, undecided, name)
+        if by_angle.is_clearly(other_than=by_tone):
+            by_tone = by_angle.if_clearly_better_than(by_tone)
+        else:
+            within = within_periods(by_tone.phasors, by_angle.phasors)
+            by_tone, doubt = by_angle if within.are_of_rotor else by_tone, within.standard
     seen = replace(
         by_tone.seen,
         excess_rad=by_tone.excess_rad,
@@ -273,6 +278,9 @@ class _Followed:
         return abs(math.log(max(ratio, 1e-300))) > _FAR_BLUR / math.sqrt(
             _BELOW_ORDER * self.transformable.periods
         )
+
+    def if_clearly_better_than(self, other: _Followed) -> _Followed:
+        return self if self.off_line < other.off_line and self.is_clearly(other_than=other) else other
 
     def blurs(self, before: _Followed) -> bool:
         """Return whether the harmonics have more sidebands than before, beyond chance.

@@ -55,3 +55,11 @@ def test_the_frequency_does_not_take_the_part_of_a_period_that_is_left_over_for_
     track = track_angle(phase + 0.01 * np.sin(phase + 0.4), 1)
     assert 2.0 * np.pi * track.periods == pytest.approx(phase[-1] - phase[0], abs=5e-6)
     assert track.residual_rad == pytest.approx(0.01 / np.sqrt(2.0), rel=0.02)
+
+
+def test_a_slip_does_not_hide_that_a_wobble_is_the_encoders() -> None:
+    # once in four periods, which no harmonic tells, and far less than what the slip does to the phase
+    angle = 1.0004 * STEADY + 0.016 * np.sin(0.25 * STEADY + 0.3)
+    found, doubt = amplitudes(current_of(STEADY), angle)
+    assert found[[1, 5]] == pytest.approx([1.0, 0.04], abs=1e-4)
+    assert len(doubt) == 0 or float(np.max(doubt)) < 1e-5

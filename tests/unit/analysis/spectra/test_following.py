@@ -18,7 +18,6 @@ from benchtool.analysis.responses.response_curve import ResponseCurve
 from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.phase_following import Wander, follow, wander
 from benchtool.analysis.spectra.spectrum import (
-    FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
     coherent_spectrum,
@@ -108,26 +107,24 @@ def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_i
     assert float(told[1]) == pytest.approx(FREQUENCY_HZ)
 
 
-def test_a_followed_phase_is_as_uncertain_as_its_bend_beyond_the_last_period() -> None:
-    """The last mark is in the middle of the last period; a parabola goes on bending but for an eighth of it
-    at most, usually a third of that."""
+def test_a_followed_phase_that_is_straight_is_certain() -> None:
     straight = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, none)
     assert standard(frequency_of(straight, still())) < 1e-9
-    per_period = RATE_HZ / FREQUENCY_HZ
-    bend = 0.02
 
-    def parabola(at: Array) -> Array:
-        return np.asarray(0.5 * bend * (at / per_period) ** 2)
 
-    bent = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, parabola)
-    # all 99 periods of the bent phase from its first row on, and what is left of the record
-    end = float(bent.sample_numbers(bent.at(np.array([float(FIRST_ROW)])) + 2.0 * np.pi * 99)[0])
-    each = (end - FIRST_ROW) / 99
-    bend_rad = bend * (each / per_period) ** 2
-    beyond = 0.5 + np.array([FIRST_ROW, SAMPLES - 1 - end]) / each
-    ends_rad = float(np.hypot(*np.hypot(0.5 * beyond**2 * bend_rad / 24.0, bend_rad / 48.0)))
-    expected = ends_rad * RATE_HZ / (2.0 * np.pi * SAMPLES)
-    assert standard(frequency_of(bent, still())) == pytest.approx(expected, rel=0.02)
+@pytest.mark.parametrize("periods", [9.9, 12.9])
+def test_a_steady_bend_is_followed_to_both_ends_and_only_noise_is_left(periods: float) -> None:
+    random, relative = np.random.default_rng(7), []
+    time = np.arange(round(periods * 100)) / round(periods * 100)
+    for _ in range(16):
+        phase = 2.0 * np.pi * (periods * (time + 0.03 * (time**2 - time)) + random.uniform())
+        samples = np.cos(phase) + 0.03 * np.cos(5.0 * phase) + 3e-3 * random.standard_normal(len(time))
+        coherent, track, seen = follow(samples, RATE_HZ, track_tone(samples))
+        assert "itself" in track.source
+        found = frequency(spectrum_of_samples(coherent), track, seen, BASIS, None, "")
+        error_Hz = found.value - (phase[-1] - phase[0]) * RATE_HZ / (2.0 * np.pi * (len(time) - 1))
+        relative.append(error_Hz / standard(found))
+    assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.4
 
 
 @pytest.mark.parametrize(("swing_Hz", "largest_rad"), [(0.7, 5e-5), (2.0, 1e-3), (3.1, 4e-3)])
