@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.statistics.scatter import neighbours_alike
+from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.slow_swing import sinusoid_of, swing_basis
 
 Floats = NDArray[np.float64]

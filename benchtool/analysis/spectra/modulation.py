@@ -14,12 +14,12 @@ from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude
 from benchtool.analysis.spectra.noise import PAIRS, noise_of_pairs
 from benchtool.analysis.spectra.phase_following import wander
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import (
     MeanError,
     error_of_periods,
     error_of_series,
     is_memory_untold,
-    neighbours_alike,
 )
 
 Floats = NDArray[np.float64]

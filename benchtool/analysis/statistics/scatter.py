@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.statistics.lowest_frequencies import SlowNoise, slow_noise
+from benchtool.analysis.statistics.neighbours import in_deviations, neighbours_alike
 from benchtool.analysis.statistics.slow_swing import slow_swing
 from benchtool.analysis.uncertainty import Contribution
 
@@ -94,7 +95,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     tau = _counting_as_one(covariance)
     if neighbours > -_BY_CHANCE / math.sqrt(count):
         tau = max(tau, 1.0)
-    correlated = _in_deviations(neighbours, count)
+    correlated = in_deviations(neighbours, count)
     if correlated > _CLEARLY:
         tau = max(tau, _of_a_memory(neighbours, count), _without_bias(covariance, tau))
         if tau > count / _FEWEST_INDEPENDENT and correlated > _WITHOUT_DOUBT:
@@ -122,20 +123,6 @@ def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64
     if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
         return False
     return neighbours_alike(values) > _MAYBE_CORRELATED
-
-
-def neighbours_alike(values: NDArray[np.float64]) -> float:
-    """Return the correlation of neighbouring values, shape (n,), n > 2, in standard deviations of that of
-    independent ones, about their mean (von Neumann, 1941)."""
-    count, deviation = len(values), values - np.mean(values)
-    square = float(deviation @ deviation)
-    correlation = float(deviation[1:] @ deviation[:-1]) / square if square > 0.0 else 0.0
-    return _in_deviations(correlation, count)
-
-
-def _in_deviations(correlation: float, count: int) -> float:
-    # of independent values it is -1 / n on average, with this deviation (von Neumann, 1941)
-    return (correlation + 1.0 / count) / math.sqrt((count - 2.0) / (count**2 - 1.0))
 
 
 def _counting_as_one(covariance: NDArray[np.float64]) -> float:

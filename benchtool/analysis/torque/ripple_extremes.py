@@ -17,9 +17,9 @@ from benchtool.analysis.statistics.maxima import (
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
+from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import (
     FEWEST_EXTREMES,
-    neighbours_alike,
     scatter_of_largest,
     tail_index,
 )

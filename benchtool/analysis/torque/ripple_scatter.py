@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
+from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import (
     FEWEST_EXTREMES,
     MeanError,
     at_lowest_frequencies,
     error_of_root,
     error_of_series,
-    neighbours_alike,
 )
 from benchtool.analysis.torque.ripple_extremes import FEWEST_PERIODS, Tails, extremes_of_ripple
 from benchtool.analysis.torque.slow_lines import SlowLines, slow_lines
