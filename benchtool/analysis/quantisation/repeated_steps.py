@@ -81,6 +81,13 @@ class RepeatedSteps:
         """Return the mean square of the amplitude that the errors have at these orders, shape (n,)."""
         return np.asarray(np.mean(np.abs(self._lines(orders)) ** 2, axis=0))
 
+    def scatter_of_power(self, orders: NDArray[np.int64]) -> float:
+        """Return the standard deviation, over the ensemble, of the sum of squares that the errors have at
+        these orders, shape (n,), relative to its mean."""
+        power = np.sum(np.abs(self._lines(orders)) ** 2, axis=1)
+        mean = float(np.mean(power))
+        return float(np.std(power)) / mean if mean > 0.0 else 0.0
+
     def largest_at(self, orders: NDArray[np.int64], share: float) -> float:
         """Return the amplitude that the largest of these orders, shape (n,), of the errors does not exceed in
         that share of the ensemble."""

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
@@ -155,8 +153,8 @@ def group_distortions(
         # windows leave out the rest of the periods
         rest = math.sqrt(coherent.periods / (groups.windows * groups.periods_per_window))
         noise, of_order_1 = MeanError(rest * by_noise.standard, by_noise.dof), rest * of_order_1
-    # twice the mean square that a converter's steps add to the harmonics, over that of the fundamental
-    steps2 = 2.0 * float(np.sum(errors.steps2[1:])) / spectrum.fundamental**2 if spectrum.fundamental else 0.0
+    # the square that a converter's steps add to the harmonics, at most, over that of the fundamental
+    steps2 = errors.most_power_of_steps / spectrum.fundamental**2 if spectrum.fundamental else 0.0
     begins = scatter_of_begins(coherent if beside is None else beside.samples, HIGHEST_HARMONIC)
     kinds: tuple[tuple[str, Kind], ...] = (
         ("current_thd_f_groups", "group"),

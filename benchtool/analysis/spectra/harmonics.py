@@ -30,6 +30,7 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
+_SURE = 2.0  # standard deviations above the power that steps add on average
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh)
 
 
@@ -88,6 +89,21 @@ class LineErrors:
         squares = self.noise**2 + self.resampling**2 + self.phase**2 + self.resolution**2 + self.wander**2
         squares += self.fit**2 + self.beside**2
         return np.asarray(np.sqrt(squares))
+
+    @property
+    def most_power_of_steps(self) -> float:
+        """Sum of the squares that a converter adds to the amplitudes of harmonics 2 and above, at most."""
+        power, apart = self.power_of_steps
+        return power + _SURE * apart
+
+    @property
+    def power_of_steps(self) -> tuple[float, float]:
+        """Sum of the squares that a converter adds to the amplitudes of harmonics 2 and above, and its
+        standard deviation."""
+        power = float(np.sum(self.steps2[1:]))
+        if self.steps is None or not power > 0.0:
+            return power, power
+        return power, power * self.steps.scatter_of_power(np.arange(2, len(self.steps2) + 1))
 
     @property
     def unknown(self) -> str:
@@ -151,7 +167,7 @@ class _Content:
     """Root of the sum of squares of the harmonics, in the signal's unit, and the effect of noise on it.
 
     `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares, the
-    steps' included; `least` is left where the steps add twice as much as expected.
+    steps' included; `least` is left where the steps add two standard deviations more than expected.
     """
 
     measured: float
@@ -370,7 +386,7 @@ def _content(
     """
     square, own = amplitude[1:] ** 2, errors.noise[1:]
     noise2 = 2.0 * np.maximum(own, errors.floor[1:]) ** 2
-    repeated2 = float(np.sum(errors.steps2[1:]))
+    repeated2, repeated2_apart = errors.power_of_steps
     measured = math.sqrt(float(np.sum(square)))
     alone2 = float(np.sum(2.0 * errors.floor[1:] ** 2)) + repeated2
     alone4 = float(np.sum(noise2**2))
@@ -381,7 +397,9 @@ def _content(
     variance = max(beside2 - alone4, alone4)
     floor = noise_floor(spectrum, 1.0, len(amplitude) + 1.0)
     of_floor = 2.0 * alone2 * floor.relative_error if floor is not None else math.nan
-    deviation = math.hypot(math.sqrt(variance), of_floor, repeated2) if math.isfinite(variance) else math.nan
+    deviation = (
+        math.hypot(math.sqrt(variance), of_floor, repeated2_apart) if math.isfinite(variance) else math.nan
+    )
     left = max(0.0, measured**2 - alone2) if math.isfinite(alone2) else math.nan
     # the root is steep at zero: half of the longer side of two deviations, so that twice it covers as many
     corrected = math.sqrt(left)
@@ -413,7 +431,7 @@ def _content(
         math.sqrt(alone2),
         corrected,
         0.5 * max(above, below),
-        math.sqrt(max(left - repeated2, 0.0)),
+        math.sqrt(max(left - _SURE * repeated2_apart, 0.0)),
         tuple(each for each in budget if each.standard != 0.0),
     )
 

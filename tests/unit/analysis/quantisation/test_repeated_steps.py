@@ -28,8 +28,10 @@ def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
     assert stated is not None
     theta = 2.0 * np.pi / per_period * np.arange(round(per_period * PERIODS))
     clean = 0.1 + 1.3 * np.cos(theta + 0.3) + 0.05 * np.cos(5.0 * theta + 1.0)
-    of_means, of_rms, of_fifth = [], [], []
+    of_means, of_rms, of_fifth, of_power = [], [], [], []
     towards = np.exp(-1j * (5.0 * theta + 1.0))
+    orders = np.arange(2, 10)
+    turned = np.exp(-1j * np.outer(orders, theta)) * (2.0 / len(theta))
     for _ in range(150):
         offset = STEP * random.uniform(-0.5, 0.5)
         signal = clean + noise * random.standard_normal(len(clean))
@@ -37,6 +39,10 @@ def test_the_stated_errors_are_those_of_readings_with_levels_anywhere(
         of_means.append(np.mean(read - signal))
         of_rms.append(np.std(read) - np.std(signal))
         of_fifth.append(2.0 * np.mean((read - signal) * towards).real)
+        of_power.append(np.sum(np.abs(turned @ (read - signal)) ** 2))
+    scatter = float(np.std(of_power) / np.mean(of_power))
+    if not noise:  # whose power is in that of the readings
+        assert stated.scatter_of_power(orders) == pytest.approx(scatter, rel=0.3)
     lines, _ = stated.of_lines(phasors)
     # beside what repeats readings err by noise of a twelfth of the step's square
     rest = STEP / np.sqrt(12.0 * len(clean))
