@@ -418,7 +418,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
             "of the A_k, propagated to first order, from the bins beside all of them at once, with what "
             "modulates them alike, and beside it (root of the sum of squares) what noise and repeated "
-            "quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`",
+            "quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`, of quantisation with two "
+            "standard deviations of its own",
             headline=True,
         ),
         Quantity(
