@@ -24,7 +24,7 @@ from benchtool.analysis.spectra.distortions import (
     group_distortions,
     with_noise,
 )
-from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
+from benchtool.analysis.spectra.fundamental import frequency, left_at_ends_rad, soundness, turned_around
 from benchtool.analysis.spectra.groups import (
     group_table,
     harmonic_groups,
@@ -156,10 +156,11 @@ def current_spectrum(
         with_trend,
     )
     errors = replace(errors, beside=close.standard[:highest])
-    on_its_own = seen
+    on_its_own, beside_rad = seen, close.turned_rad
     if taken is not None and track.departure is not None:
         rest = samples - taken.at(_of_rows(turns, coherent))
         on_its_own = wander(coherent_samples(rest, block.sample_rate_Hz, track, channel, every=True))
+        beside_rad = math.hypot(beside_rad, left_at_ends_rad(on_its_own))
     # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
     beats = (
         by_signal
@@ -189,7 +190,7 @@ def current_spectrum(
             rate_relative,
             sound.of_ratios or (_BEATS if beats else ""),
             step,
-            close.turned_rad,
+            beside_rad,
         ),
         *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),

@@ -39,7 +39,7 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_AT_ENDS = 10  # of the record
+_AT_ENDS = 2  # periods
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
@@ -150,6 +150,13 @@ def frequency(
     )
 
 
+def left_at_ends_rad(seen: Wander) -> float:
+    """Return what is left of lines that were taken out of a fundamental, in the difference of its phases at
+    both ends of a record, where it is most."""
+    square = (seen.phase_rad - np.mean(seen.phase_rad)) ** 2
+    return math.sqrt(float(np.mean(square[:_AT_ENDS]) + np.mean(square[-_AT_ENDS:])))
+
+
 def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander) -> Contribution | None:
     """Return how much the mean frequency of another record differs because the speed wanders."""
     if track.measured_rad is not None:
@@ -250,18 +257,9 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
         float(going_on.weights(by) @ phases[-going_on.size :])
         for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
     ]
-    square = _left_at_ends2(seen.phase_rad) + 2.0 * within_rad**2
+    square = 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
     square += going_on.error2(before) + going_on.error2(after)
     return ends_rad[1] - ends_rad[0], math.sqrt(square)
-
-
-def _left_at_ends2(phase_rad: NDArray[np.float64]) -> float:
-    """Return the mean square of phases about their mean, shape (periods,), for both ends together: what is
-    left of a line that was taken out is most there."""
-    square = (phase_rad - np.mean(phase_rad)) ** 2
-    size = max(1, len(square) // _AT_ENDS)
-    of_ends = float(np.mean(square[:size]) + np.mean(square[-size:]))
-    return max(2.0 * float(np.mean(square)), of_ends)
 
 
 def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:
