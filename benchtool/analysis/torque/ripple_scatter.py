@@ -31,7 +31,8 @@ LOW_PERCENT, HIGH_PERCENT = 0.5, 99.5
 """Percentiles between which single spikes do not count."""
 
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
-_PARTS, _WHOLE_OVER_PARTS = 8, 1.5  # the whole reaches further into the tail than a part, and scatters more
+_OVERLAPPING = 2.0  # periods in a window, which count as one where each is another
+_PARTS, _WHOLE_OVER_PARTS = 8, 1.27  # the whole reaches further into the tail than a part, and scatters more
 _ALIKE = 3.0  # standard deviations of a correlation
 _NORMAL = np.array([NormalDist().inv_cdf((i + 0.5) / 32) for i in range(32)])  # equally probable
 _OF_LAST = 16  # one in so many
@@ -236,11 +237,11 @@ def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> 
     contributes to it.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
-    Ann. Math. Statist. 37 (1966)), within the shares that other records have. Where neighbouring periods are
-    correlated, how the ranges of parts of the record scatter is added. What it moves by from sample to sample
-    is a series as the samples are, with noise that is too slow for the record. How many samples slow lines
-    and a course bring beyond is expected: by the distribution of the rest without them. What is not, is where
-    in a cycle the record begins and ends.
+    Ann. Math. Statist. 37 (1966)), within the shares that other records have. Where the size of the ripple
+    differs by more than that, and its periods are correlated or few, how the ranges of parts of the record
+    scatter is added. What it moves by from sample to sample is a series as the samples are, with noise that
+    is too slow for the record. How many samples slow lines and a course bring beyond is expected: by the
+    distribution of the rest without them. What is not, is where in a cycle the record begins and ends.
     """
     beyond, begin = _Beyond.of(samples, repeats), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
@@ -259,30 +260,43 @@ def _percentile_scatter(samples: Floats, repeats: Periods, of_mean: _Slowly) -> 
         begins = np.arange(_BEGINS) * (math.sqrt(5.0) - 1.0) / 2.0
         shifted = [float(np.mean(beyond.expected(order, lines.at(place + each)))) for each in begins]
         of_cycles = float(np.std(shifted, ddof=1))
+    of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     # of how few periods have what is beyond, their scatter alone tells
-    slowly = _slowly(moved, repeats, pooled=False)
+    slowly = _slowly(moved, repeats, pooled=not of_few > 1.0)
     incomplete = slowly.mean - float(np.mean(moved))
     linear = MeanError(math.hypot(slowly.error.standard, incomplete, of_cycles), slowly.error.dof)
-    of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     linear = MeanError(of_few * linear.standard, linear.dof)
-    # of most periods no sample is beyond: how long their ripple remembers shows in its deviation
-    sizes = _deviation_of_periods(rest, repeats)
-    of_size, dof = error_of_series(sizes), linear.dof
-    if not (beyond.high - beyond.low) * of_size.standard < linear.standard * float(np.mean(sizes)):
-        dof = min(dof, of_size.dof)
-    if len(begin) < _CORRELATED * (dof + 1.0) or len(begin) < 2 * _PARTS:
+    # of most periods no sample is beyond: how long their ripple remembers shows in its size
+    sizes = _sizes(rest, repeats)
+    of_size = error_of_series(sizes)
+    is_of_size = not (beyond.high - beyond.low) * of_size.standard < linear.standard * float(np.mean(sizes))
+    independent = linear.dof + 1.0
+    if is_of_size:
+        independent = min(independent, _OVERLAPPING * (of_size.dof + 1.0))
+    is_of_stretches = len(begin) >= _CORRELATED * independent
+    if not (is_of_size if len(begin) < 2 * _PARTS else is_of_stretches):
         return linear
     # few stretches make the tail, and with it the density there: those of parts say how much it varies
-    parts = np.array([percentile_range(rest[rows]) for rows in _parts(begin, len(samples))])
-    of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(_PARTS)
-    return MeanError(math.hypot(linear.standard, of_parts), _PARTS - 1.0)
+    count = min(_PARTS, len(begin))
+    parts = np.array([percentile_range(rest[rows]) for rows in _parts(begin, len(samples), count)])
+    of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(count)
+    return MeanError(math.hypot(linear.standard, students_deviation(count - 1.0) * of_parts), count - 1.0)
 
 
-def _deviation_of_periods(samples: Floats, repeats: Periods) -> Floats:
-    """Return the rms of each period about its own mean, shape (periods,)."""
+def _sizes(samples: Floats, repeats: Periods) -> Floats:
+    """Return the rms of the ripple about its mean, shape (periods - 1,), under a Hann window over every two
+    neighbouring periods: by each alone it would differ as well by how far the marks are from its beginning,
+    which wanders where the phase of a drifting speed is not followed."""
     begin, counts = repeats.rows[:-1], np.diff(repeats.rows)
-    deviation = samples - np.repeat(np.add.reduceat(samples, begin) / counts, counts)
-    return np.asarray(np.sqrt(np.add.reduceat(deviation**2, begin) / counts))
+    place = (np.arange(len(samples)) - np.repeat(begin, counts) + 0.5) / np.repeat(counts, counts)
+    rises, deviation = np.sin(0.5 * np.pi * place) ** 2, samples - np.mean(samples)
+
+    def windowed(values: Floats) -> Floats:
+        up, all_of_it = (np.add.reduceat(each, begin) / counts for each in (values * rises, values))
+        return np.asarray(up[:-1] + all_of_it[1:] - up[1:])
+
+    square = windowed(deviation**2) - windowed(deviation) ** 2
+    return np.asarray(np.sqrt(np.maximum(0.0, square)))
 
 
 @dataclass(frozen=True)
@@ -351,7 +365,7 @@ def _of_few(beyond: NDArray[np.bool_], begin: NDArray[np.int64]) -> float:
     return math.sqrt(1.0 + 2.0 * max(0.0, concentrated))
 
 
-def _parts(begin: NDArray[np.int64], count: int) -> Iterator[slice]:
-    """Return the rows of equally many whole periods each."""
-    edges = [int(each[0]) for each in np.array_split(begin, _PARTS)]
-    return (slice(first, last) for first, last in itertools.pairwise([*edges, count]))
+def _parts(begin: NDArray[np.int64], end: int, count: int) -> Iterator[slice]:
+    """Return the rows up to `end` in so many parts, of equally many whole periods each."""
+    edges = [int(each[0]) for each in np.array_split(begin, count)]
+    return (slice(first, last) for first, last in itertools.pairwise([*edges, end]))

@@ -156,8 +156,9 @@ _NUMBERS: Final = (
         "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids and of a "
         "drift, x what the percentile moves with them x sqrt(tau / N_p), or by the density at zero frequency "
         "that does not fall; up to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, "
-        "hold what is beyond; 1.5 s of those of eighths of the record / sqrt(8) besides, where "
-        "neighbours have ripple of like size; where in a slow cycle the record begins; resolution / sqrt(6), "
+        "hold what is beyond; 1.27 s of those of eighths of the record, or of few single periods, / sqrt(n) "
+        "besides, where the ripple's size differs by more and neighbours have it alike, or periods are few; "
+        "where in a slow cycle the record begins; resolution / sqrt(6), "
         "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),

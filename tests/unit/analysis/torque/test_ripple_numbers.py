@@ -320,6 +320,36 @@ def test_percentiles_between_heaps_are_known_to_the_next_heap() -> None:
     assert 0.8 < np.median(stated) / np.std(read) < 1.8
 
 
+def test_percentiles_of_few_periods_are_known_by_how_much_their_size_differs() -> None:
+    random, count = np.random.default_rng(5), 6 * PER_PERIOD
+    stated, read = [], []
+    for _ in range(60):
+        size = np.repeat(1.0 + 0.2 * random.standard_normal(6), PER_PERIOD)
+        samples = size * np.cos(6.0 * angle(count)) + 0.02 * random.standard_normal(count)
+        found = scatter_of_periods(samples, Periods(np.arange(0, count + 1, PER_PERIOD)))
+        assert found is not None
+        assert found.percentile_range is not None
+        stated.append(found.percentile_range.standard)
+        read.append(percentile_range(samples))
+    errors = (np.array(read) - np.mean(read)) / np.array(stated)
+    assert 0.6 < float(np.sqrt(np.mean(errors**2))) < 1.5
+
+
+def test_where_periods_are_taken_to_begin_is_no_size_of_the_ripple() -> None:
+    random, count = np.random.default_rng(5), 100 * PER_PERIOD
+    samples = 0.1 * np.cos(6.0 * angle(count)) + 0.05 * np.cos(3.0 * angle(count))
+    samples += 1e-4 * random.standard_normal(count)
+    rows = np.arange(0, count + 1, PER_PERIOD)
+    wander = np.round(8.0 * np.sin(np.pi * rows / count) * np.sin(8.0 * np.pi * rows / count))
+    stated = []
+    for each in (rows, rows + wander.astype(np.int64)):
+        found = scatter_of_periods(samples, Periods(each))
+        assert found is not None
+        assert found.percentile_range is not None
+        stated.append(found.percentile_range.standard)
+    assert stated[1] == pytest.approx(stated[0], rel=0.4)
+
+
 def test_percentiles_on_a_drift_are_known_as_well_as_without() -> None:
     random, count = np.random.default_rng(5), PERIODS * PER_PERIOD + 1
     drift = np.linspace(-0.5, 0.5, count)
