@@ -15,6 +15,7 @@ _FEWEST_CLIPPED, _CLIPPED_SHARE = 8, 2e-3
 _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
 _LOOKED_AT = 1 << 16  # samples, to count values by
 _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
+_FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
 
 
 def require_signal(samples: NDArray[np.float64], name: str) -> None:
@@ -131,3 +132,15 @@ def standing(samples: NDArray[np.float64]) -> str:
         f"{held} samples in a row from row {row} (from 0) are {value:.4g}, and the next is elsewhere: the "
         f"sensor or the link stood still"
     )
+
+
+def held_rows(values: NDArray[np.float64]) -> float:
+    """Return for how many rows on average each of the values, shape (n,), is held, by a slower converter for
+    example; 1 if not."""
+    changes = np.flatnonzero(np.diff(values))
+    runs = np.diff(changes)
+    if len(runs) < _FEWEST_RUNS:
+        return 1.0
+    usual = int(np.median(runs))
+    is_regular = np.mean(np.abs(runs - usual) <= 1) > _REGULAR_RUNS and np.mean(runs == usual) > 0.5
+    return float(np.mean(runs)) if usual > 1 and is_regular else 1.0

@@ -25,11 +25,11 @@ from benchtool.analysis.spectra import (
     current_unbalance,
     spectral_lines,
 )
+from benchtool.analysis.validity import held_rows
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
 from benchtool.tables.record import Record
-from benchtool.tables.time_base import held_rows
 
 _MEASURED = ("torque", "current", "speed")
 _AC_NUMBERS = (

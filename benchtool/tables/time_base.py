@@ -20,8 +20,6 @@ _SUMMED = 4.0  # of what rounding does to a stamp: of stamps that are sums or pr
 _COARSE = 1.1  # times the resolution: what rounding alone makes stamps deviate, peak to peak, from a fit
 _REGULAR = 4  # stamps of a row less, at equal distances, are those of a rate a little lower
 _SLOPES = 50
-_FEWEST_RUNS = 20
-_REGULAR_RUNS = 0.9
 _REFINEMENTS = 4
 _MOST_DECIMALS = 9
 _MOST_PARTS, _FEWEST_PARTS, _FEWEST_OF_PART = 64, 10, 8  # parts of stamps, and stamps of each
@@ -329,18 +327,6 @@ def repeated_rows(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> N
     if np.mean(equal[same]) > 0.5 and (same.all() or np.mean(equal[~same]) < 0.5 * np.mean(equal[same])):
         return np.flatnonzero(equal & same) + 1
     return np.empty(0, dtype=np.int64)
-
-
-def held_rows(values: NDArray[np.float64]) -> float:
-    """Return for how many rows on average each of the values, shape (n,), is held, by a slower converter for
-    example; 1 if not."""
-    changes = np.flatnonzero(np.diff(values))
-    runs = np.diff(changes)
-    if len(runs) < _FEWEST_RUNS:
-        return 1.0
-    usual = int(np.median(runs))
-    is_regular = np.mean(np.abs(runs - usual) <= 1) > _REGULAR_RUNS and np.mean(runs == usual) > 0.5
-    return float(np.mean(runs)) if usual > 1 and is_regular else 1.0
 
 
 def _refused(time_s: NDArray[np.float64], refusal: str, resolution_s: float = math.nan) -> TimeBase:

@@ -24,13 +24,14 @@ from benchtool.analysis.torque.ripple_scatter import (
     scatter_of_periods,
 )
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
-from benchtool.analysis.validity import clipping, require_signal, require_unbroken, standing
+from benchtool.analysis.validity import clipping, held_rows, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
 
 _SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
 _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
+_FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
 
@@ -152,9 +153,12 @@ def ripple_of_rows(
     if marks is not None:
         repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
-    if scatter is not None:
+    if scatter is None or marks is None:
+        unknown = _without_periods(marks, repeated, no_periods)
+    else:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
-    unknown = _without_periods(marks, repeated, no_periods) if scatter is None else ""
+        unknown = _few_updates(samples, marks, repeated)
+        scatter = replace(scatter, percentile_range=None) if unknown else scatter
     numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
     return tuple(numbers)
 
@@ -168,6 +172,21 @@ def _without_periods(
     return (
         f"the record has {len(marks) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
         f"scatter: record longer"
+    )
+
+
+def _few_updates(
+    samples: NDArray[np.float64], marks: NDArray[np.float64], repeated: str = "electrical periods"
+) -> str:
+    """Return why percentiles of held samples, shape (n,), are not known: of few values at the same places of
+    all periods it is chance how near the crests they are; empty if they are enough."""
+    held = held_rows(samples)
+    updates = float(marks[-1]) / (len(marks) - 1) / held
+    if held == 1.0 or updates >= _FEWEST_UPDATES:
+        return ""
+    return (
+        f"each value is held for {held:.3g} rows, and {repeated} have {updates:.3g} of them, at least "
+        f"{_FEWEST_UPDATES:g} are needed for their percentiles: record the signal at a higher rate"
     )
 
 
@@ -258,7 +277,7 @@ def _numbers(
     )
     yield mean
     peak_to_peak = _peak_to_peak(
-        f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, channel, clipped
+        f"{name}_ripple_pp", what, whole, scatter, "" if scatter else unknown, step, basis, channel, clipped
     )
     yield peak_to_peak
     rms = measured(

@@ -159,7 +159,8 @@ _NUMBERS: Final = (
         "hold what is beyond; 1.27 s of those of eighths of the record, or of few single periods, / sqrt(n) "
         "besides, where the ripple's size differs by more and neighbours have it alike, or periods are few; "
         "where in a slow cycle the record begins; resolution / sqrt(6), "
-        "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods",
+        "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods, or of "
+        "values that are held and fewer than 18 in a period",
     ),
     (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
     (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
+from benchtool.analysis.validity import held_rows
 from benchtool.block import Gap
-from benchtool.tables.time_base import held_rows, time_base
+from benchtool.tables.time_base import time_base
 
 Array = NDArray[np.float64]
 ROWS = np.arange(5_000, dtype=np.float64)

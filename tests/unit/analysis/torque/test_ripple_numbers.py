@@ -305,6 +305,18 @@ def test_percentiles_of_three_periods_have_no_uncertainty_but_a_reason() -> None
         assert ("fewer than four periods" in found.uncertainty_reason) == (periods == 3)
 
 
+@pytest.mark.parametrize("held", [1, 10, 25, 125])
+def test_percentiles_of_few_updates_in_a_period_have_no_uncertainty_but_a_reason(held: int) -> None:
+    count = PERIODS * PER_PERIOD + 1
+    samples = np.cos(6.0 * angle(count)) + 0.1 * np.random.default_rng(4).standard_normal(count)
+    samples = np.repeat(samples[::held], held)[:count]
+    found = numbers(samples, track(count))
+    percentiles = found["torque_ripple_percentile_range"]
+    assert (percentiles.uncertainty is None) == (held > 10)
+    assert (f"held for {held} rows" in percentiles.uncertainty_reason) == (held > 10)
+    assert found["torque_mean"].uncertainty is not None
+
+
 def test_percentiles_between_heaps_are_known_to_the_next_heap() -> None:
     # a sample in two hundred is of the highest heap, and so in half of the records the percentile is too
     random, count = np.random.default_rng(5), 12 * PER_PERIOD + 1
