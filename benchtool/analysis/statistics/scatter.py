@@ -158,13 +158,14 @@ def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError 
     has the error `of_mean`, by default that of a series.
 
     A mean square that is low by chance has squares that scatter little: the uncertainty is that of a mean
-    square two standard uncertainties above.
+    square an experimental standard uncertainty above. Of Gamma distributed squares error over it has an rms
+    of 0.8 to 1.1.
     """
     error = of_mean or error_of_series(squares)
     if not root > 0.0:
         return replace(error, standard=0.0 * error.standard)
-    standard = error.standard / (2.0 * root) * (1.0 + 2.0 * error.standard / root**2)
-    return replace(error, standard=standard)
+    relative = error.standard / students_deviation(error.dof) / root**2
+    return replace(error, standard=error.standard / (2.0 * root) * (1.0 + relative))
 
 
 def error_of_record(samples: NDArray[np.float64]) -> MeanError:

@@ -13,6 +13,7 @@ from benchtool.analysis.statistics.scatter import (
     at_lowest_frequencies,
     error_of_periods,
     error_of_record,
+    error_of_root,
     error_of_series,
     is_memory_untold,
     scatter_of_largest,
@@ -212,3 +213,13 @@ def test_the_mean_under_a_control_with_an_integral_is_known_better_than_the_dens
             found.append(at_lowest_frequencies(record, by_parts, periods, may_fall=may_fall).standard)
     assert np.median(stated[False]) > 3.0 * scatter
     assert scatter < np.median(stated[True]) < 2.5 * scatter
+
+
+@pytest.mark.parametrize("count", [6, 40])
+def test_the_root_of_few_squares_is_known_as_well_as_other_records_differ(count: int) -> None:
+    records = np.random.default_rng(3).gamma(2.0, 0.5, (400, count))
+    roots = np.sqrt(np.mean(records, axis=1))
+    stated = [error_of_root(each, float(root)).standard for each, root in zip(records, roots, strict=True)]
+    errors = (roots - 1.0) / np.array(stated)
+    assert 0.75 < float(np.sqrt(np.mean(errors**2))) < 1.15
+    assert np.mean(np.abs(errors) < 2.0) > 0.93
