@@ -123,14 +123,14 @@ def noise_floor(
     variance = (np.array(powers) * shares / math.log(2.0)) ** 2 / np.array(counts)
     relative = math.sqrt(float(np.sum(variance))) / total if total > 0.0 else 0.0
     dof = 2.0 / relative**2 if relative > 0.0 else math.inf
-    relative = math.hypot(relative, leaked / (total * len(bins))) if total > 0.0 else 0.0
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
-    of_root = _of_what_is_stated(0.5 * relative)
+    of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
+    of_root = math.hypot(_relative_to_found(0.5 * relative), of_leakage)
     return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
 
 
-def _of_what_is_stated(relative: float) -> float:
+def _relative_to_found(relative: float) -> float:
     """Return the rms of errors in units of the value found, of which `relative` is that of the value sought.
 
     A level that is low by chance is stated with a small uncertainty. Powers and their roots are lognormal
