@@ -8,27 +8,16 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.drawings import WAVEFORMS
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
-from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
-from benchtool.analysis.spectra.distortions import (
-    Beside,
-    distortions,
-    group_basis,
-    group_distortions,
-    with_noise,
-)
-from benchtool.analysis.spectra.fundamental import frequency, left_at_ends_rad, soundness, turned_around
-from benchtool.analysis.spectra.groups import (
-    group_table,
-    harmonic_groups,
-)
+from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
+from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
+from benchtool.analysis.spectra.groups import group_table, harmonic_groups
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
     LineErrors,
@@ -36,29 +25,15 @@ from benchtool.analysis.spectra.harmonics import (
     harmonics,
     line_errors,
 )
-from benchtool.analysis.spectra.interharmonics import (
-    Interharmonics,
-    between_harmonics,
-    noise_of_fit,
-    scatter_of_phases,
-    together,
-    without,
-)
-from benchtool.analysis.spectra.modulation import (
-    amplitude_changes,
-    harmonics_tell,
-    phase_noise_rad,
-    with_steady_amplitude,
-)
-from benchtool.analysis.spectra.moving_tones import Course, course_of
+from benchtool.analysis.spectra.interharmonics import noise_of_fit
+from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
-from benchtool.analysis.spectra.phase_following import follow, wander
+from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
     Component,
-    coherent_samples,
     largest_low_component,
     spectrum_of,
 )
@@ -72,7 +47,6 @@ _BEATS = (
     "the amplitude changes within the window, and no harmonic tells that it is no line beside the "
     "fundamental: record longer, or the angle"
 )
-_ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
 @dataclass(frozen=True)
@@ -113,77 +87,36 @@ def current_spectrum(
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     step = resolution(samples)
-    for number in range(_ROUNDS + 1):
-        coherent, track, seen = follow(samples, block.sample_rate_Hz, track, channel)
-        spectrum = spectrum_of(coherent)
-        turns = _turns(track, len(samples))
-        course = course_of(turns, FIRST_ROW, coherent)
-        others, close = _no_harmonics(spectrum, coherent, course, step)
-        taken = together(others, close.lines)
-        by_signal = track.residual_rad is None and track.departure is None
-        if taken is None or not by_signal or number == _ROUNDS or (number and not close.turned_rad):
-            break
-        # which pull at the fit of its frequency
-        track = track_tone(samples - taken.at(_of_rows(turns, coherent)), channel)
-    basis = _basis(coherent, spectrum, track)
-    floor = noise_floor(spectrum)
-    highest = min(HIGHEST_HARMONIC, len(harmonics(spectrum)))
-    between = coherent if others is None else without(coherent, others, course)
-    cleaned = between if close.lines is None else without(between, close.lines, course)
+    found = separate(samples, block.sample_rate_Hz, track, channel, step)
+    track, spectrum = found.track, found.spectrum
+    basis = _basis(found.coherent, spectrum, track)
     invalid = clipping(samples) or standing(samples)
     if not invalid and track.residual_rad is None:
-        invalid = turned_around(cleaned, seen, channel)
-    sound = soundness(spectrum, seen, invalid, channel)
-    alone = seen.first(coherent.periods) if cleaned is coherent else wander(cleaned)
-    steady = with_steady_amplitude(cleaned, alone.amplitude, turns, FIRST_ROW)
-    clean, with_trend = spectrum_of(steady.samples), None
-    if steady.trend is not None:
-        with_trend = spectrum_of(cleaned), steady.trend.of_level
-    lines = basis if taken is None else replace(basis, window=f"{basis.window}, without {taken.words}")
-    wander_rad = max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(cleaned))
-    level = level_of(samples, step)
-    errors = line_errors(
-        clean,
-        highest,
-        wander_rad,
-        step,
-        alone.amplitude,
-        alone.phase_rad,
-        turns,
-        level,
-        seen.of_angle,
-        None if others is None else noise_of_fit(others, clean, highest, len(coherent.values)),
-        with_trend,
-    )
-    errors = replace(errors, beside=close.standard[:highest])
-    on_its_own, beside_rad = seen, close.turned_rad
-    if taken is not None and track.departure is not None:
-        rest = samples - taken.at(_of_rows(turns, coherent))
-        on_its_own = wander(coherent_samples(rest, block.sample_rate_Hz, track, channel, every=True))
-        beside_rad = math.hypot(beside_rad, left_at_ends_rad(on_its_own))
+        invalid = turned_around(found.cleaned, found.seen, channel)
+    sound = soundness(spectrum, found.seen, invalid, channel)
+    clean, with_trend = spectrum_of(found.steady.samples), None
+    if found.steady.trend is not None:
+        with_trend = spectrum_of(found.cleaned), found.steady.trend.of_level
+    errors = _errors(found, clean, with_trend, step)
+    of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
     beats = (
-        by_signal
-        and not close.turned_rad
-        and amplitude_changes(alone.amplitude, steady.trend, step)
-        and not harmonics_tell(clean if with_trend is None else with_trend[0], highest)
+        found.by_signal
+        and not found.close.turned_rad
+        and amplitude_changes(found.alone.amplitude, found.steady.trend, step)
+        and not harmonics_tell(clean if with_trend is None else with_trend[0], len(errors.phase))
     )
     if beats:
         errors = replace(errors, wander=np.append(math.nan, errors.wander[1:]))
-    of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
-    groups = harmonic_groups(coherent, HIGHEST_HARMONIC)
-    beside = None
-    # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
-    is_like_it = others is not None and (track.departure is None or not len(others.places))
-    if close.lines is not None:  # which are in the groups of their harmonics
-        steady = with_steady_amplitude(between, alone.amplitude, turns, FIRST_ROW)
-    if groups is not None and (is_like_it or (others is None and steady.trend is not None)):
-        of_lines = harmonic_groups(steady.samples, HIGHEST_HARMONIC)
-        scatter = (0.0, 0.0) if others is None else scatter_of_phases(clean, others, groups, course)
-        beside = None if of_lines is None else Beside(between, of_lines, *scatter)
-    found = (
+    lines, taken = basis, found.taken
+    if taken is not None:
+        lines = replace(basis, window=f"{basis.window}, without {taken.words}")
+    groups = harmonic_groups(found.coherent, HIGHEST_HARMONIC)
+    beside = None if groups is None else found.beside(clean, groups)
+    on_its_own, beside_rad = found.over_record(block.sample_rate_Hz, channel)
+    numbers = (
         frequency(
-            clean if by_signal else spectrum,
+            clean if found.by_signal else spectrum,
             track,
             on_its_own,
             basis,
@@ -196,46 +129,44 @@ def current_spectrum(
         *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
         *_refused(with_noise(spectrum, basis, channel), sound.of_ratios),
         *_refused(
-            group_distortions(coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
+            group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
-        *_refused(_noise(floor, spectrum.fundamental_Hz, unit, channel, basis), sound.of_amplitudes),
+        *_refused(
+            _noise(noise_floor(spectrum), spectrum.fundamental_Hz, unit, channel, basis), sound.of_amplitudes
+        ),
     )
-    tables = [
-        harmonic_table(
-            clean,
-            "current_harmonics",
-            channel,
-            unit,
-            replace(lines, harmonics=highest),
-            errors=errors,
-        )
-    ]
-    if sound.of_amplitudes:
-        tables = [_without_uncertainty(tables[0], sound.of_amplitudes)]
+    of_lines = replace(lines, harmonics=len(errors.phase))
+    table = harmonic_table(clean, "current_harmonics", channel, unit, of_lines, errors=errors)
+    tables = [_without_uncertainty(table, sound.of_amplitudes) if sound.of_amplitudes else table]
     if groups is not None:
-        tables.append(group_table(groups, "current_groups", unit, group_basis(coherent, groups, basis)))
-    return CurrentSpectrum(found, tuple(tables), spectrum, track, coherent)
+        of_groups = group_basis(found.coherent, groups, basis)
+        tables.append(group_table(groups, "current_groups", unit, of_groups))
+    return CurrentSpectrum(numbers, tuple(tables), spectrum, track, found.coherent)
 
 
-def _no_harmonics(
-    spectrum: CoherentSpectrum, coherent: CoherentSamples, course: Course, step: float
-) -> tuple[Interharmonics | None, CloseLines]:
-    """Return what is between the harmonics, and the lines beside them, of a signal with steps."""
-    others = between_harmonics(coherent, spectrum, course)
-    clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
-    return others, close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step)
-
-
-def _of_rows(turns: NDArray[np.float64], coherent: CoherentSamples) -> Course:
-    """Return where all rows of the record are; `turns`, shape (rows,), as by `_turns`."""
-    passed = (np.arange(len(turns)) - FIRST_ROW) / coherent.samples
-    return Course(turns / coherent.periods, passed)
-
-
-def _turns(track: PhaseTrack, count: int) -> NDArray[np.float64]:
-    """Return the periods from the first of the spectrum to each of `count` rows, shape (count,)."""
-    begin = track.at(np.array([float(FIRST_ROW)]))
-    return np.asarray((track.at(np.arange(count, dtype=np.float64)) - begin) / (2.0 * np.pi))
+def _errors(
+    found: Separation,
+    clean: CoherentSpectrum,
+    with_trend: tuple[CoherentSpectrum, float] | None,
+    step: float,
+) -> LineErrors:
+    """Return the errors of the harmonics, whose spectrum is `clean`; `with_trend` as in `line_errors`."""
+    highest = min(HIGHEST_HARMONIC, len(harmonics(found.spectrum)))
+    seen, alone, others = found.seen, found.alone, found.others
+    errors = line_errors(
+        clean,
+        highest,
+        max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(found.cleaned)),
+        step,
+        alone.amplitude,
+        alone.phase_rad,
+        found.turns,
+        level_of(found.samples, step),
+        seen.of_angle,
+        None if others is None else noise_of_fit(others, clean, highest, len(found.coherent.values)),
+        with_trend,
+    )
+    return replace(errors, beside=found.close.standard[:highest])
 
 
 def _without_uncertainty(table: Table, reason: str) -> Table:

@@ -1,0 +1,157 @@
+"""A current taken apart along the phase of its fundamental: harmonics, what is between and beside them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
+from benchtool.analysis.spectra.distortions import Beside
+from benchtool.analysis.spectra.fundamental import left_at_ends_rad
+from benchtool.analysis.spectra.groups import HarmonicGroups, harmonic_groups
+from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC
+from benchtool.analysis.spectra.interharmonics import (
+    Interharmonics,
+    between_harmonics,
+    scatter_of_phases,
+    together,
+    without,
+)
+from benchtool.analysis.spectra.modulation import SteadyAmplitude, with_steady_amplitude
+from benchtool.analysis.spectra.moving_tones import Course, course_of
+from benchtool.analysis.spectra.phase_following import Wander, follow, wander
+from benchtool.analysis.spectra.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    CoherentSpectrum,
+    coherent_samples,
+    spectrum_of,
+)
+
+Floats = NDArray[np.float64]
+
+_ROUNDS = 3  # of a line beside the fundamental and its frequency without that
+
+
+@dataclass(frozen=True)
+class Separation:
+    """A current along a track that follows its fundamental.
+
+    `coherent` are the whole periods of the `samples`, shape (rows,), and `spectrum` is theirs; `seen` is how
+    the fundamental moves about the `track`. `others` is what is between the harmonics, None if there is
+    nothing, `close` are the lines beside them. `turns`, shape (rows,), are the periods from the first of the
+    spectrum to each row.
+    """
+
+    samples: Floats
+    track: PhaseTrack
+    seen: Wander
+    coherent: CoherentSamples
+    spectrum: CoherentSpectrum
+    turns: Floats
+    course: Course
+    others: Interharmonics | None
+    close: CloseLines
+
+    @property
+    def by_signal(self) -> bool:
+        """Whether the track is a fit to the signal itself, and no phase that was followed."""
+        return self.track.residual_rad is None and self.track.departure is None
+
+    @cached_property
+    def taken(self) -> Interharmonics | None:
+        """All that is no harmonic; None if there is nothing."""
+        return together(self.others, self.close.lines)
+
+    @cached_property
+    def rest(self) -> Floats:
+        """Samples without it, shape (rows,)."""
+        if self.taken is None:
+            return self.samples
+        passed = (np.arange(len(self.turns)) - FIRST_ROW) / self.coherent.samples
+        return self.samples - self.taken.at(Course(self.turns / self.coherent.periods, passed))
+
+    @cached_property
+    def between(self) -> CoherentSamples:
+        """The whole periods without what is between the harmonics."""
+        return self.coherent if self.others is None else without(self.coherent, self.others, self.course)
+
+    @cached_property
+    def cleaned(self) -> CoherentSamples:
+        """The whole periods without the lines beside harmonics either."""
+        return (
+            self.between if self.close.lines is None else without(self.between, self.close.lines, self.course)
+        )
+
+    @cached_property
+    def alone(self) -> Wander:
+        """How the fundamental moves about the track, without what is no harmonic."""
+        if self.cleaned is self.coherent:
+            return self.seen.first(self.coherent.periods)
+        return wander(self.cleaned)
+
+    @cached_property
+    def steady(self) -> SteadyAmplitude:
+        """The harmonics without the course of their amplitude."""
+        return with_steady_amplitude(self.cleaned, self.alone.amplitude, self.turns, FIRST_ROW)
+
+    def over_record(self, rate_Hz: float, channel: str) -> tuple[Wander, float]:
+        """Return how the fundamental moves about the track to both ends of the record, and the standard
+        uncertainty of that by lines beside it, rad."""
+        if self.taken is None or self.track.departure is None:
+            return self.seen, self.close.turned_rad
+        rest = wander(coherent_samples(self.rest, rate_Hz, self.track, channel, every=True))
+        return rest, math.hypot(self.close.turned_rad, left_at_ends_rad(rest))
+
+    def beside(self, clean: CoherentSpectrum, groups: HarmonicGroups) -> Beside | None:
+        """Return what is in `groups` besides the harmonics, whose spectrum is `clean`; None where that is
+        nothing, or moves otherwise than they do."""
+        # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
+        is_like_them = self.others is not None and (
+            self.track.departure is None or not len(self.others.places)
+        )
+        steady = self.steady
+        if self.close.lines is not None:  # which are in the groups of their harmonics
+            steady = with_steady_amplitude(self.between, self.alone.amplitude, self.turns, FIRST_ROW)
+        if not (is_like_them or (self.others is None and steady.trend is not None)):
+            return None
+        of_lines = harmonic_groups(steady.samples, HIGHEST_HARMONIC)
+        if of_lines is None:
+            return None
+        scatter = (0.0, 0.0)
+        if self.others is not None:
+            scatter = scatter_of_phases(clean, self.others, groups, self.course)
+        return Beside(self.between, of_lines, *scatter)
+
+
+def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
+    """Return a current taken apart, of samples, shape (rows,), in steps of `step`, along a track.
+
+    Lines beside the fundamental pull at the fit of its frequency, which is made again without them.
+
+    Raises:
+        AnalysisError: fewer than two electrical periods, or a fundamental beyond the band.
+    """
+    found = _along(samples, rate_Hz, track, channel, step)
+    for number in range(_ROUNDS):
+        if found.taken is None or not found.by_signal or (number and not found.close.turned_rad):
+            break
+        found = _along(samples, rate_Hz, track_tone(found.rest, channel), channel, step)
+    return found
+
+
+def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
+    coherent, track, seen = follow(samples, rate_Hz, track, channel)
+    spectrum = spectrum_of(coherent)
+    begin = track.at(np.array([float(FIRST_ROW)]))
+    turns = (track.at(np.arange(len(samples), dtype=np.float64)) - begin) / (2.0 * np.pi)
+    course = course_of(turns, FIRST_ROW, coherent)
+    others = between_harmonics(coherent, spectrum, course)
+    clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
+    close = close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step)
+    return Separation(samples, track, seen, coherent, spectrum, turns, course, others, close)
