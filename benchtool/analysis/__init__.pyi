@@ -89,7 +89,6 @@ from .spectra.harmonics import (
     Reference as Reference,
     distortion_and_noise as distortion_and_noise,
     harmonic_table as harmonic_table,
-    harmonics as harmonics,
     relative_phase_rad as relative_phase_rad,
     total_harmonic_distortion as total_harmonic_distortion,
 )
@@ -110,6 +109,7 @@ from .spectra.spectrum import (
     amplitude_spectrum as amplitude_spectrum,
     coherent_samples as coherent_samples,
     coherent_spectrum as coherent_spectrum,
+    harmonics as harmonics,
     largest_low_component as largest_low_component,
     spectrum_of as spectrum_of,
 )

@@ -18,14 +18,9 @@ from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensit
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
 from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
-from benchtool.analysis.spectra.harmonics import (
-    HIGHEST_HARMONIC,
-    LineErrors,
-    harmonic_table,
-    harmonics,
-    line_errors,
-)
+from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
 from benchtool.analysis.spectra.interharmonics import noise_of_fit
+from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
 from benchtool.analysis.spectra.separation import Separation, separate
@@ -34,6 +29,7 @@ from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
     Component,
+    harmonics,
     largest_low_component,
     spectrum_of,
 )

@@ -21,11 +21,11 @@ from benchtool.analysis.spectra.groups import (
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
     Distortion,
-    LineErrors,
     Reference,
     distortion_and_noise,
     total_harmonic_distortion,
 )
+from benchtool.analysis.spectra.line_errors import LineErrors
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined

@@ -257,6 +257,11 @@ def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
     return CoherentSpectrum(frequency_Hz, amplitude, periods, coherent.samples, bins)
 
 
+def harmonics(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
+    """Return the peak amplitudes of harmonics 1, 2, 3 ... up to the end of the band, shape (harmonics,)."""
+    return spectrum.amplitude[spectrum.periods :: spectrum.periods]
+
+
 def largest_low_component(spectrum: CoherentSpectrum, below_order: int = 10) -> Component:
     """Return largest bin below `below_order` times the fundamental, other than dc and the fundamental itself.
 

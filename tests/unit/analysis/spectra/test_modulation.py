@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.spectra.harmonics import Reference, line_errors, total_harmonic_distortion
+from benchtool.analysis.spectra.harmonics import Reference, total_harmonic_distortion
+from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, wander_of_mean
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum, coherent_spectrum
 
