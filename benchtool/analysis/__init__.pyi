@@ -156,6 +156,7 @@ from .uncertainty import (
 )
 from .validity import (
     clipping as clipping,
+    held_rows as held_rows,
     require_signal as require_signal,
     require_unbroken as require_unbroken,
 )

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from benchtool.analysis import Measurement, PhaseTrack, Table, record_basis, ripple_of_rows
+from benchtool.analysis import Measurement, PhaseTrack, Table, held_rows, record_basis, ripple_of_rows
 from benchtool.analysis.orders import (
     Orders,
     angle_coverage,
@@ -25,7 +25,6 @@ from benchtool.analysis.spectra import (
     current_unbalance,
     spectral_lines,
 )
-from benchtool.analysis.validity import held_rows
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
