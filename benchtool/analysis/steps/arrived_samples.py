@@ -118,7 +118,7 @@ class ArrivedSamples:
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
-            is_moved_by_noise=len(begin.drawn) > 0,
+            is_moved_by_noise=len(begin.drawn) > 0 and curve.turned is None,
             shares=counts / len(places),
             at_rest=end - rest,
             noise=noise,

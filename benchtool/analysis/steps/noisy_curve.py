@@ -20,6 +20,7 @@ from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.steps.bursts import noise_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
+from benchtool.analysis.steps.converter_levels import at_turns, within_levels
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola
@@ -102,7 +103,9 @@ class NoisyCurve:
 
     Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
     rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
-    is what the same noise makes of the mean of the samples before the first.
+    is what the same noise makes of the mean of the samples before the first. `turned`, shape (draws, n), is
+    what is added to errors that are those of a converter's steps alone where a curve turns back within a
+    level of it; None otherwise.
     """
 
     values: Floats
@@ -110,6 +113,7 @@ class NoisyCurve:
     time_scatter: float = 0.0
     longer: Floats | None = None
     before: Floats | None = None
+    turned: Floats | None = None
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise, before: int = 0) -> NoisyCurve:
@@ -127,12 +131,15 @@ class NoisyCurve:
         random = np.random.default_rng(_SEED)
         of_steps: float | Floats = 0.0
         if noise.rms < _HIDES * step:
-            of_steps = _left_of_steps(noise.rms, step) * _within_steps(random, samples, step, draws)
+            of_steps = _left_of_steps(noise.rms, step) * within_levels(random, samples, step, draws)
         scatter = scatter_of_times(samples, noise, step)
         if noise.rms == 0.0:
             of_times = _of_times(random, samples, scatter, draws)
-            known = step == 0.0 and scatter == 0.0
-            return cls(samples, np.empty((0, count)) if known else of_steps + of_times, scatter)
+            if isinstance(of_steps, float):
+                known = scatter == 0.0
+                return cls(samples, np.empty((0, count)) if known else of_times, scatter)
+            turned = at_turns(random, samples, step, of_steps) - of_steps
+            return cls(samples, of_steps + of_times, scatter, turned=turned)
         drawn = noise.draw(random, (draws, before + count))
         of_before = np.mean(drawn[:, :before], axis=1) if before else None
         errors, curve = smoother.apply(levels * drawn[:, before:]), smoother.apply(samples)
@@ -168,7 +175,9 @@ class NoisyCurve:
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""
         longer = None if self.longer is None else self.longer[row:]
-        return replace(self, values=self.values[row:], errors=self.errors[:, row:], longer=longer)
+        turned = None if self.turned is None else self.turned[:, row:]
+        values, errors = self.values[row:], self.errors[:, row:]
+        return replace(self, values=values, errors=errors, longer=longer, turned=turned)
 
     def blunted(self) -> tuple[float, float]:
         """Return by how much longer windows lower the peak of the greatest value, and how much later they
@@ -323,13 +332,19 @@ class NoisyCurve:
 
     def last_outside(self, level: float, band: float) -> Instant | None:
         """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends
-        outside."""
+        outside.
+
+        A curve that turns back just within a level of a converter may leave the band there or not: which it
+        is, is what most draws make of it.
+        """
         found = _last(self.values, level, band)
         if found is None:
             return None
-        drawn = (_last(self.values + each, level, band) for each in self.errors)
+        errors = self.errors if self.turned is None else self.errors + self.turned
+        drawn = (_last(self.values + each, level, band) for each in errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
-        return Passage(found.place, found.reach, places).instant
+        most = found.place if self.turned is None else float(np.nanmedian(places))
+        return Passage(most, found.reach, places).instant
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:
@@ -351,12 +366,6 @@ def _left_of_steps(noise_rms: float, step: float) -> float:
     """Return how much of the errors of a converter's steps is left in a mean, by the rms that is read at
     rest."""
     return share_left(noise_beside(noise_rms**2, step), step)
-
-
-def _within_steps(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
-    """Return errors, shape (draws, n), the same for all samples on one level and independent otherwise."""
-    level = np.round((samples - np.min(samples)) / step).astype(np.int64)
-    return np.asarray(step * random.uniform(-0.5, 0.5, (draws, int(np.max(level)) + 1))[:, level])
 
 
 def _of_times(random: np.random.Generator, curve: Floats, scatter: float, draws: int) -> Floats:

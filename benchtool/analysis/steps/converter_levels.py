@@ -1,0 +1,115 @@
+"""How far a curve may be from the levels that a converter reads it on.
+
+It is anywhere within a level that it passes; where it turns back within one, as far beyond the edge as its
+widths there and in the levels before tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+_EDGE = 0.5  # of a step, from the middle of a level
+_WIDER = 1  # rows, as both ends are uncertain by
+_TOGETHER = 0.5  # of the rows from the first to the last on the level
+_UNLIKE = 3.0  # times as long in the level before on one side as on the other: no power of the width
+_CORNER, _SMOOTH = 1.0, 2.0  # powers of the width in which a curve goes down from its turn
+_POWERS = np.linspace(_CORNER, _SMOOTH, 41)[:, np.newaxis]  # that widths may show
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """Pairs of the first and the last row: on the level that is turned back in, on that and the one before
+    together, and on three; the last pair is empty where the record does not show it."""
+
+    on_it: tuple[int, int]
+    on_two: tuple[int, int]
+    on_three: tuple[int, ...]
+
+    def errors(self, random: np.random.Generator, draws: int) -> Floats:
+        """Return how far the curve may be above the middle of the level, in steps, shape (draws, rows).
+
+        A level begins and ends anywhere between two rows. From its turn down a curve is a power of its width:
+        the second where it is smooth, the first at a corner. Further down it is a lower one than near a
+        smooth turn, which three widths show: down to two levels it is between that and the second.
+        """
+        middle, width = _interval(random, self.on_it, draws)
+        middle_of_two, wider = _interval(random, self.on_two, draws)
+        shown = np.full(draws, _CORNER)
+        if self.on_three:
+            _, widest = _interval(random, self.on_three, draws)
+            # depths that should be in steps of one
+            uneven = (widest**_POWERS - width**_POWERS) / wider**_POWERS + 2.0 * (width / wider) ** _POWERS
+            shown = _POWERS[np.argmin(np.abs(uneven - 2.0), axis=0), 0]
+        power = random.uniform(shown, _SMOOTH)
+        deeper = np.maximum((wider / width) ** power, 2.0)  # it is beyond the edge by at most a step
+        off = np.arange(self.on_it[0], self.on_it[1] + 1) - middle[:, np.newaxis]
+        half, power, deeper = 0.5 * width[:, np.newaxis], power[:, np.newaxis], deeper[:, np.newaxis]
+        beyond = (1.0 - (np.abs(off) / half) ** power) / (deeper - 1.0)
+        # nearer to the turn its middle goes on as it does from the level before
+        off = np.clip(off + (middle_of_two - middle)[:, np.newaxis] * beyond, -half, half)
+        return np.asarray((1.0 - (np.abs(off) / half) ** power) / (deeper - 1.0) - _EDGE)
+
+
+def _interval(random: np.random.Generator, rows: tuple[int, ...], draws: int) -> tuple[Floats, Floats]:
+    """Return middle and width, shape (draws,), of where a curve may be on levels that it is on in these
+    rows."""
+    begin, end = rows[0] - random.uniform(size=draws), rows[-1] + random.uniform(size=draws)
+    return 0.5 * (begin + end), end - begin
+
+
+def within_levels(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
+    """Return errors, shape (draws, n), the same for all samples, shape (n,), on one level and independent
+    otherwise."""
+    level = _levels(samples, step)
+    return np.asarray(step * random.uniform(-_EDGE, _EDGE, (draws, int(np.max(level)) + 1))[:, level])
+
+
+def at_turns(random: np.random.Generator, samples: Floats, step: float, errors: Floats) -> Floats:
+    """Return errors, shape (draws, n), of samples, shape (n,), with what widths tell of those in whose rows
+    the curve turns back."""
+    turned, levels = errors.copy(), _levels(samples, step)
+    for sign in (1, -1):
+        for turn in _turns(sign * levels):
+            first, last = turn.on_it
+            on_it = np.flatnonzero(levels[first : last + 1] == levels[first])
+            turned[:, first + on_it] = sign * step * turn.errors(random, len(errors))[:, on_it]
+    return turned
+
+
+def _levels(samples: Floats, step: float) -> Rows:
+    """Return which level each sample, shape (n,), is on, from the least."""
+    return np.round((samples - np.min(samples)) / step).astype(np.int64)
+
+
+def _turns(levels: Rows) -> Iterator[_Turn]:
+    """Yield where levels, shape (n,), rise by one, and fall by one again before they rise further."""
+    edges = np.flatnonzero(np.diff(levels))
+    firsts, lasts = edges[:-1] + 1, edges[1:]
+    rises = levels[firsts] - levels[firsts - 1]
+    falls = levels[lasts] - levels[lasts + 1]
+    tops = firsts[(rises == 1) & (falls == 1)]
+    for level in np.unique(levels[tops]).tolist():
+        found = {_around(levels, level - 1, row) for row in tops[levels[tops] == level].tolist()}
+        for two in sorted(each for each in found if each):
+            rows = two[0] + np.flatnonzero(levels[two[0] : two[1] + 1] >= level)
+            first, last = int(rows[0]), int(rows[-1])
+            if len(rows) < _TOGETHER * (last - first + 1) or np.max(levels[rows]) > level:
+                continue
+            shorter, longer = sorted((first - two[0], two[1] - last))
+            if shorter + longer > _WIDER and longer <= _UNLIKE * (shorter + _WIDER):
+                yield _Turn((first, last), (two[0], two[1]), _around(levels, level - 2, first))
+
+
+def _around(levels: Rows, least: int, row: int) -> tuple[int, ...]:
+    """Return the first and the last row around one in which levels, shape (n,), are not below the least;
+    none where the record begins or ends there."""
+    low = np.flatnonzero(levels < least)
+    at = int(np.searchsorted(low, row))
+    return (int(low[at - 1]) + 1, int(low[at]) - 1) if 0 < at < len(low) else ()

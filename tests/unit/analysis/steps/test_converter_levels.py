@@ -1,0 +1,65 @@
+"""Levels of a converter that a curve passes, and those within which it turns back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.steps.converter_levels import at_turns, within_levels
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.smoothing import Noise
+
+Floats = NDArray[np.float64]
+
+_ROWS = np.arange(400.0)
+_DRAWS = 80
+
+
+def _lobe(crest: float, half_period: float, damping: float, height: float) -> Floats:
+    """Return one crest of a decaying oscillation, with rest before and after."""
+    phase = np.clip(np.pi * (_ROWS - crest) / half_period, -0.8 * np.pi, 1.5 * np.pi)
+    decay = damping / np.sqrt(1.0 - damping**2)
+    course = np.exp(-decay * phase) * (np.cos(phase) + decay * np.sin(phase))
+    return np.asarray(height * course)
+
+
+def test_a_turn_within_a_level_is_as_far_beyond_its_edge_as_widths_tell() -> None:
+    random, missed, anywhere = np.random.default_rng(21), [], []
+    for _ in range(150):
+        crest, offset = 200.0 + random.uniform(), random.uniform(-0.5, 0.5)
+        lobe = _lobe(crest, random.uniform(30.0, 120.0), random.uniform(0.05, 0.5), random.uniform(3.0, 30.0))
+        samples = np.round(lobe + offset)
+        errors = within_levels(random, samples, 1.0, _DRAWS)
+        row = round(crest)
+        turned = (samples + at_turns(random, samples, 1.0, errors))[:, row]
+        truth = lobe[row] + offset
+        missed.append((np.mean(turned) - truth, np.std(turned)))
+        anywhere.append(samples[row] - truth)
+    error, standard = np.array(missed).T
+    assert np.mean(np.abs(error) < 2.0 * standard + 0.02) > 0.9
+    assert np.sqrt(np.mean(error**2)) < 0.6 * np.sqrt(np.mean(np.square(anywhere)))
+    assert np.sqrt(np.mean(error**2)) == pytest.approx(np.sqrt(np.mean(standard**2)), rel=0.4)
+
+
+def test_a_level_that_is_left_for_good_or_much_faster_on_one_side_is_no_turn() -> None:
+    passes = np.repeat([0.0, 1.0, 2.0, 3.0, 4.0], 20)
+    tail = np.repeat([0.0, 1.0, 2.0, 1.0, 0.0], [20, 1, 12, 40, 20])
+    for samples in (passes, tail):
+        errors = within_levels(np.random.default_rng(1), samples, 1.0, _DRAWS)
+        assert np.array_equal(at_turns(np.random.default_rng(2), samples, 1.0, errors), errors)
+
+
+@pytest.mark.parametrize("beyond", [0.03, 0.1, 0.6, 0.8])
+def test_a_lobe_that_just_reaches_a_level_has_left_a_band_or_not(beyond: float) -> None:
+    """Lobes that decay by a third each, the last of which is beyond the edge of a level by a part of it."""
+    phase = np.pi * (_ROWS - 230.3) / 50.0
+    lobes = (2.5 + beyond) * np.exp(-0.15 * phase) * np.cos(phase)
+    band = 2.5 + 0.3
+    truth = float(np.flatnonzero(np.abs(lobes) > band)[-1]) + 0.5
+    curve = NoisyCurve.through(np.asarray(np.round(lobes), dtype=np.float64), Noise(np.zeros(1)))
+    found = curve.last_outside(0.0, band)
+    assert found is not None
+    assert abs(found.place - truth) < 2.0 * found.standard + 0.5
+    assert abs(found.place - truth) < 6.0
+    assert found.standard < 12.0
