@@ -343,7 +343,8 @@ class NoisyCurve:
         errors = self.errors if self.turned is None else self.errors + self.turned
         drawn = (_last(self.values + each, level, band) for each in errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
-        most = found.place if self.turned is None else float(np.nanmedian(places))
+        is_either = self.turned is not None and not np.all(np.isnan(places))
+        most = float(np.nanmedian(places)) if is_either else found.place
         return Passage(most, found.reach, places).instant
 
 
