@@ -80,31 +80,33 @@ def kink(values: Floats, top: int, noise: float) -> Top | None:
     """Return where the courses before and after the greatest of values, shape (n,), meet; None where it is no
     kink, by `noise`, the standard deviation of a value, or by how it bends.
 
-    A kink between two samples bends the curve in both, and hardly in those beyond. A curve of so few samples
-    that it bends the other way beside its greatest may be anywhere between that and where the lines meet.
+    A kink between two samples bends the curve in both, and hardly in those beyond, two on either side: of a
+    smooth top in few samples one alone may be where it bends neither way. A curve of so few samples that it
+    bends the other way beside its greatest may be anywhere between that and where the lines meet.
     """
-    if not 2 < top < len(values) - 3:
+    if not 3 < top < len(values) - 4:
         return None
-    rises = np.diff(values[top - 3 : top + 4])  # before-before, before, to the top, and three after it
+    rises = np.diff(values[top - 4 : top + 5])  # four before the top, and four after it
     bends = np.diff(rises)
-    far_before, before, at, after, far_after = bends.tolist()
+    at = float(bends[3])
     if -at <= _SIGNIFICANT * _OF_SECOND_DIFFERENCE * noise:
         return None
-    _, earlier, rise, fall, later, _ = rises.tolist()
+    earlier, rise, fall, later = rises[2:6].tolist()
+    far = np.abs(bends)
     found = []
     # between the top and the next: the line that led to it, and the one that leads on from the next
     if rise > later and 0.0 < (place := (fall - later) / (rise - later)) < 1.0:
-        found.append((rise * place, place, max(abs(before), abs(far_after)), abs(at + after)))
+        found.append((rise * place, place, float(np.max(far[[1, 2, 5, 6]])), abs(at + float(bends[4]))))
     if earlier > fall and 0.0 < (place := (earlier - rise) / (earlier - fall)) < 1.0:
-        found.append((-fall * place, -place, max(abs(far_before), abs(after)), abs(before + at)))
+        found.append((-fall * place, -place, float(np.max(far[[0, 1, 4, 5]])), abs(float(bends[2]) + at)))
     above, place, beside, bend = max(found, default=(0.0, 0.0, 0.0, 1.0))
     if not above > _ROUNDING * (rise - fall):
         # at the row itself, as near as the courses beside it bend
-        near = max(abs(far_before), abs(before), abs(after), abs(far_after)) / -at
+        near = float(np.max(far[[1, 2, 4, 5]])) / -at
         return Top(0.0, max(rise, -fall) * near, 0.0, near) if near < _OUTSIDE else None
     if beside < _OUTSIDE * bend:
         # the courses bend on the way to it as they do beside it
         return Top(above, beside, place, min(0.5, math.hypot(beside, _OF_SECOND_DIFFERENCE * noise) / bend))
-    if np.max(bends[1:4]) < 0.0:
+    if np.max(bends[2:5]) < 0.0:
         return None  # a smooth top
     return Top(0.5 * above, above / math.sqrt(12.0), 0.5 * place, 0.5)

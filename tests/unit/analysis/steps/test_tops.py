@@ -70,3 +70,16 @@ def test_a_level_without_one_below_it_on_both_sides_holds_its_peak_anywhere() ->
         values = np.zeros(9)
         values[first : last + 1] = 1.0
         assert middle_of_level(values, first, last) == (0.5 * (first + last), 4.0 / math.sqrt(12.0))
+
+
+def test_a_smooth_top_whose_flanks_bend_neither_way_is_no_kink() -> None:
+    """Of a decaying oscillation in few rows one bend on either side may be next to nothing."""
+    rows = np.arange(40, dtype=np.float64)
+    for delay in np.arange(6.0, 7.0, 0.02).tolist():
+        late = np.maximum(rows - delay, 0.0)
+        values = 1.0 - np.exp(-late / 4.1) * np.cos(2.0 * np.pi * late / 6.7)
+        fine = np.linspace(0.0, 6.7, 67_001)
+        peak = delay + fine[np.argmax(1.0 - np.exp(-fine / 4.1) * np.cos(2.0 * np.pi * fine / 6.7))]
+        top = int(np.argmax(values))
+        found = kink(values, top, 0.0) or parabola(values, top)
+        assert abs(top + found.beside - peak) <= found.beside_within
