@@ -33,6 +33,8 @@ _MAIN_LOBE = 2.5  # bins beside a line under a squared Hann window
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
+_FEWEST_ALIKE = 1.5  # squares that hold the power of noise: of fewer its level is not told from below
+_SURE = 1e-2  # relative uncertainty of a power, below which its root has half of it
 _LINE = 10.0  # times the mean square of noise: by chance one bin in twenty thousand
 _LINES_BY_CHANCE = 5e-4
 
@@ -50,10 +52,10 @@ class NoiseFloor:
 
     `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The
     medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
-    noise need not be white: where the density is steep, the squares are first made even by the slope of the
-    bands around. What only moves the phase of harmonics is left out. A strong interharmonic leaks through the
-    rectangular window into all bins around it, and with that counts as noise. `relative_error` is the
-    relative standard uncertainty of the floor, of `dof` degrees of freedom.
+    noise need not be white: where the density is steep, it is the mean of the squares, without the lines that
+    stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
+    interharmonic leaks through the rectangular window into all bins around it, and with that counts as noise.
+    `relative_error` is the relative standard uncertainty of the floor, of `dof` degrees of freedom.
     """
 
     amplitude: float
@@ -94,7 +96,8 @@ def noise_floor(
 
     Where there are four periods or more, the bins next to dc and to a harmonic are left out too: a harmonic
     that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one
-    before, the median of the squares over that of an exponential distribution is the band's power.
+    before, the median of the squares over that of an exponential distribution is the band's power; where the
+    density is steep, the mean of those that are no line.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
@@ -106,39 +109,63 @@ def noise_floor(
     additive, leaked = _additive(spectrum)
     square = additive[bins]
     bands = _bands(len(bins))
-    powers, counts = [], []
+    powers, variances = [], []
     for band, slope in zip(bands, _slopes(square, bins, bands), strict=True):
         part, places = square[band], bins[band]
-        shape = 1.0
         if abs(slope) * math.log(places[-1] / places[0]) > _STEEP:
-            shaped = (places / places[0]) ** slope
-            part, shape = part / shaped, float(np.mean(shaped))
-            counts.append(float(np.sum(shaped)) ** 2 / float(np.sum(shaped**2)))
+            power, variance = _steep_power(part, (places / places[0]) ** slope)
         else:
-            counts.append(float(len(part)))
-        powers.append(shape * _power_without_lines(part))
+            power = _power_without_lines(part)
+            variance = (power / math.log(2.0)) ** 2 / len(part)
+        powers.append(power)
+        variances.append(variance)
     shares = np.array([band.stop - band.start for band in bands]) / len(bins)
     total = float(np.average(powers, weights=shares))
-    # of each band's power by 1 / (ln 2 sqrt(n)), and half of that of the amplitude
-    variance = (np.array(powers) * shares / math.log(2.0)) ** 2 / np.array(counts)
-    relative = math.sqrt(float(np.sum(variance))) / total if total > 0.0 else 0.0
+    # half of the relative error of a power is that of the amplitude
+    relative = math.sqrt(float(shares**2 @ np.array(variances))) / total if total > 0.0 else 0.0
     dof = 2.0 / relative**2 if relative > 0.0 else math.inf
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
-    of_root = math.hypot(_relative_to_found(0.5 * relative), of_leakage)
+    of_root = math.hypot(_relative_to_found(relative), of_leakage)
     return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
 
 
-def _relative_to_found(relative: float) -> float:
-    """Return the rms of errors in units of the value found, of which `relative` is that of the value sought.
+def _steep_power(square: NDArray[np.float64], shape: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the mean of exponentially distributed squares, shape (n,), whose density is about in proportion
+    to `shape`, and the variance of that.
 
-    A level that is low by chance is stated with a small uncertainty. Powers and their roots are lognormal
-    enough: the rms of 1 - exp(-y), y normal, by its moments (Johnson, Kotz and Balakrishnan, Continuous
-    Univariate Distributions, vol. 1, 14.3).
+    The shape only tells which of them are lines: no median knows what a few bins hold most of. How few these
+    are, both the shape and the squares tell, and the mean of both is taken: a shape goes on where the density
+    may be level, and of the squares the largest may be low by chance. Of n alike, n = 2 (sum of x)^2 / (sum
+    of x^2) - 1 on average, as the square of each is twice that of its mean.
     """
-    square = relative**2
-    return math.sqrt(math.exp(2.0 * square) - 2.0 * math.exp(0.5 * square) + 1.0)
+    even = square / shape
+    is_noise = even <= _LINE * _power_without_lines(even)
+    noise = square[is_noise]
+    of_all = float(np.sum(shape) / np.sum(shape[is_noise])) / len(square)
+    power = of_all * float(np.sum(noise))
+    if not power > 0.0:
+        return 0.0, 0.0
+    alike = 2.0 * float(np.sum(noise)) ** 2 / float(noise @ noise) - 1.0
+    of_shape = float(np.sum(shape)) ** 2 / float(shape @ shape)
+    inverse = 0.5 * (1.0 / max(alike, _FEWEST_ALIKE) + 1.0 / max(of_shape, _FEWEST_ALIKE))
+    return power, power**2 * inverse
+
+
+def _relative_to_found(relative: float) -> float:
+    """Return the rms of errors of a level in units of the level found, of a power whose relative standard
+    uncertainty, in units of the power sought, is given.
+
+    A level that is low by chance is stated with a small uncertainty. A mean of n exponentially distributed
+    powers has a gamma distribution of shape n, whose moments of order -1/2 and -1 give it (Johnson, Kotz and
+    Balakrishnan, Continuous Univariate Distributions, vol. 1, 17.3).
+    """
+    if relative < _SURE:
+        return 0.5 * relative
+    n = 1.0 / relative**2
+    of_half = math.exp(0.5 * math.log(n) + math.lgamma(n - 0.5) - math.lgamma(n))
+    return math.sqrt(1.0 - 2.0 * of_half + n / (n - 1.0))
 
 
 def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:

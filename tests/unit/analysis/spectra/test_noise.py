@@ -287,6 +287,29 @@ def test_the_floor_of_steep_noise_is_its_mean_power_and_not_its_median() -> None
     assert 0.6 < math.sqrt(float(np.mean(np.square(errors)))) < 1.5
 
 
+@pytest.mark.parametrize(("corner_order", "steepness"), [(0.3, 2.0), (1.0, 2.0), (1.5, 4.0)])
+@pytest.mark.parametrize("periods", [3, 8])
+def test_the_floor_of_few_periods_is_no_continuation_of_a_slope(
+    periods: int, corner_order: float, steepness: float
+) -> None:
+    """Level up to a corner, where few bins hold most of it."""
+    generator, bins = np.random.default_rng(5), np.arange(100 * periods + 1)
+    density = 1e-6 / (1.0 + (bins / periods / corner_order) ** steepness)
+    guard = 2 if periods >= 4 else 1
+    between = (bins % periods >= guard) & (bins % periods <= periods - guard)
+    truth, ratios, errors = math.sqrt(float(np.mean(density[between]))), [], []
+    for _ in range(60):
+        noise = generator.standard_normal((2, len(bins))) * np.sqrt(0.5 * density)
+        phasor = noise[0] + 1j * noise[1] + np.where(bins == periods, 5.0, 0.0)
+        spectrum = CoherentSpectrum(bins * 50.0 / periods, np.abs(phasor), periods, 1e4, phasor)
+        floor = noise_floor(spectrum)
+        assert floor is not None
+        ratios.append(floor.amplitude / truth)
+        errors.append((floor.amplitude - truth) / (floor.amplitude * floor.relative_error))
+    assert math.sqrt(float(np.mean(np.square(ratios)))) == pytest.approx(1.0, abs=0.1)
+    assert 0.5 < math.sqrt(float(np.mean(np.square(errors)))) < 1.5
+
+
 def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
     count, periods = 20_000, 40
     noise = 1e-3 * np.random.default_rng(4).standard_normal(count)
