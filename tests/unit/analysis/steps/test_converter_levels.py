@@ -50,6 +50,36 @@ def test_a_level_that_is_left_for_good_or_much_faster_on_one_side_is_no_turn() -
         assert np.array_equal(at_turns(np.random.default_rng(2), samples, 1.0, errors), errors)
 
 
+def _is_turned(samples: Floats) -> bool:
+    errors = within_levels(np.random.default_rng(1), samples, 1.0, _DRAWS)
+    return not np.array_equal(at_turns(np.random.default_rng(2), samples, 1.0, errors), errors)
+
+
+def test_a_lobe_that_chatters_is_a_turn_where_most_of_its_rows_are_on_the_level() -> None:
+    rise, fall = np.repeat([0.0, 1.0], [20, 6]), np.repeat([1.0, 0.0], [6, 20])
+    mostly, seldom = np.array([2.0, 1.0, 2.0, 2.0, 2.0, 1.0, 2.0]), np.array([2.0, 1.0, 1.0, 1.0, 1.0, 2.0])
+    assert _is_turned(np.concatenate([rise, mostly, fall]))
+    assert not _is_turned(np.concatenate([rise, seldom, fall]))
+
+
+def test_three_widths_tell_a_corner_from_a_smooth_top() -> None:
+    heights = []
+    for third in (8, 5):  # rows that the third level is wider by on either side: as the second, or less
+        samples = np.repeat([0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0], [40, third, 8, 8, 8, third, 40])
+        errors = within_levels(np.random.default_rng(1), samples, 1.0, 2000)
+        turned = at_turns(np.random.default_rng(2), samples, 1.0, errors)
+        heights.append(float(np.mean(np.max(turned[:, 40 + third + 8 : 48 + third + 8], axis=1))) + 0.5)
+    # on average over powers: from 1 to 2 of the corner, hardly less than 2 of the smooth one
+    powers = np.linspace(1.0, 2.0, 101)
+    assert heights[0] == pytest.approx(float(np.mean(1.0 / (3.0**powers - 1.0))), rel=0.12)
+    assert heights[1] == pytest.approx(1.0 / (3.0**2 - 1.0), rel=0.35)
+
+
+def test_a_level_that_is_wider_by_one_row_alone_tells_nothing() -> None:
+    assert _is_turned(np.repeat([0.0, 1.0, 2.0, 1.0, 0.0], [20, 1, 12, 1, 20]))
+    assert not _is_turned(np.repeat([0.0, 1.0, 2.0, 0.0], [20, 1, 12, 20]))
+
+
 @pytest.mark.parametrize("beyond", [0.03, 0.1, 0.6, 0.8])
 def test_a_lobe_that_just_reaches_a_level_has_left_a_band_or_not(beyond: float) -> None:
     """Lobes that decay by a third each, the last of which is beyond the edge of a level by a part of it."""
