@@ -25,6 +25,7 @@ from benchtool.analysis.spectra import (
     current_unbalance,
     spectral_lines,
 )
+from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
@@ -58,9 +59,7 @@ def results(record: Record) -> Iterator[Measurement | Table]:
         if "angle" in record.channels or record.question.omega_m_rad_s is not None:
             yield from _orders(record, what)
         elif what != "current" and record.uniform is not None:
-            lines = spectral_lines(record.uniform, record.channels[what].name, what)
-            yield from lines.measurements
-            yield from lines.tables
+            yield from _lines(record, record.uniform, what)
 
 
 def _undefined(record: Record, what: str, reason: str) -> Iterator[Measurement]:
@@ -173,14 +172,27 @@ def _unbalance(record: Record, track: PhaseTrack | None, refusal: str) -> Iterat
 
 
 def _held(record: Record, what: str) -> str:
-    """Return that a current was sampled less often than it is listed; empty if it was not."""
+    """Return that a signal was sampled less often than it is listed, which makes its lines smaller and adds
+    others; empty if it was not."""
     if (held := held_rows(record.column(what))) == 1.0:
         return ""
     rate_Hz = record.base.rate_Hz
     return (
-        f"each value is held for {held:.3g} rows, the current was sampled at about {rate_Hz / held:.4g} Hz "
-        f"and not at {rate_Hz:.4g} Hz: export each once"
+        f"each value is held for {held:.3g} rows, the {'current' if what in PHASES else what} was sampled at "
+        f"about {rate_Hz / held:.4g} Hz and not at {rate_Hz:.4g} Hz: export each once"
     )
+
+
+def _lines(record: Record, uniform: Block, what: str) -> Iterator[Measurement | Table]:
+    channel = record.channels[what]
+    if held := _held(record, what):
+        for name, unit in ((f"{what}_line_frequency", "Hz"), (f"{what}_line_amplitude", channel.unit)):
+            definition = f"largest line of {channel.name}"
+            yield Measurement.undefined(name, unit, definition, held, record.basis)
+        return
+    lines = spectral_lines(uniform, channel.name, what)
+    yield from lines.measurements
+    yield from lines.tables
 
 
 def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
@@ -197,6 +209,8 @@ def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
 
 
 def _found_orders(record: Record, what: str) -> Orders:
+    if held := _held(record, what):
+        raise AnalysisError(held)
     channel = record.channels[what].name
     pole_pairs, slots = record.question.pole_pairs, record.question.slots
     omega_m_rad_s = record.question.omega_m_rad_s

@@ -141,6 +141,12 @@ def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
     ripple = case["measurements"]["torque_ripple_pp"]
     assert ripple["basis"]["bandwidth_Hz"] == pytest.approx(500.0)
     assert "each value held for 10 rows" in ripple["definition"]
+    line = case["measurements"]["torque_line_amplitude"]
+    assert line["value"] is None
+    assert "the torque was sampled at about 1000 Hz" in line["reason"]
+    of_orders = ("--torque", "T", "--speed", "1500 1/min")
+    case = measured(invoke("--csv", "held.csv", "--time", "t", *of_orders, "--json"))
+    assert reason.replace("current", "torque") in case["measurements"]["torque_order_largest"]["reason"]
 
 
 @pytest.mark.parametrize(
