@@ -82,6 +82,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
     else:
         rows = f", over {len(record.data)} rows, each counting the same whatever the time between them"
     marks, repeated = periods.repetition()
+    held = held_rows(record.column(what))
     rated = record.question.torque_rated_Nm if what == "torque" else None
     for each in ripple_of_rows(
         np.ascontiguousarray(record.column(what)),
@@ -97,7 +98,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         number = replace(each, definition=f"{each.definition}{rows}")
         if record.lost.within and math.isfinite(number.value):
             number = _incomplete(number, record.lost.within)
-        yield _limited(record, number, held_rows(record.column(what)))
+        yield _limited(record, number, held)
 
 
 def _incomplete(number: Measurement, rows: int) -> Measurement:

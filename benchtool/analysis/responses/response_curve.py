@@ -212,15 +212,15 @@ class ResponseCurve:
         error = inverse * self.error[near] / _NEPER_OF_POWER_DB
         square = ResponseCurve(place[near], inverse, error, 1.0)
         # of several alike the top is one that errors have raised, by its own, the greatest of so many
-        own = float(self._smooth_error[top])
-        raised = max(0.0, min(float(self.smooth[top]) - self.greatest()[0], own * self._greatest_error))
+        own, greatest = float(self._smooth_error[top]), self.greatest()
+        raised = max(0.0, min(float(self.smooth[top]) - greatest[0], own * self._greatest_error))
         is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
         if not is_followed and self.between is not None:
             found, standard = self._greatest_between(top, self.between)
             return found - raised, standard
         vertex = square.least_near(float(place[top])) if is_followed else None
         if vertex is None:
-            return self.greatest()
+            return greatest
         least, standard, by_place = vertex
         standard, by_place = (_NEPER_OF_POWER_DB * each / least for each in (standard, by_place))
         # a least-squares fit has as much of the error of one of its values as their variances are alike

@@ -175,9 +175,7 @@ def _without_periods(
     )
 
 
-def _few_updates(
-    samples: NDArray[np.float64], marks: NDArray[np.float64], repeated: str = "electrical periods"
-) -> str:
+def _few_updates(samples: NDArray[np.float64], marks: NDArray[np.float64], repeated: str) -> str:
     """Return why percentiles of held samples, shape (n,), are not known: of few values at the same places of
     all periods it is chance how near the crests they are; empty if they are enough."""
     held = held_rows(samples)
