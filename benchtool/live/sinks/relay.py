@@ -27,6 +27,7 @@ class Relay:
         self._there = (host, port)
         self._ready = threading.Event()
         self._loop = asyncio.new_event_loop()
+        self._cut = asyncio.Event()
         self._over = asyncio.Event()
         self._passing: set[asyncio.Future[None]] = set()
         self.port = 0
@@ -34,11 +35,22 @@ class Relay:
         self._thread.start()
         self._ready.wait(_STARTING_S)
 
+    def cut(self) -> None:
+        """Cut every connection, and each new one as soon as it is made.
+
+        The SDK looks for an address that refuses it for eleven seconds; one that hangs up it leaves at once.
+        """
+        self._set(self._cut)
+
     def close(self) -> None:
         """Cut every connection and take no more; a second call does nothing."""
-        with contextlib.suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._over.set)
+        self._set(self._cut)
+        self._set(self._over)
         self._thread.join()
+
+    def _set(self, event: asyncio.Event) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(event.set)
 
     # ---- the relay's thread -----------------------------------------------------------------------------
 
@@ -60,13 +72,16 @@ class Relay:
         passing.add_done_callback(self._passing.discard)
 
     async def _both_ways(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Forward data until either end closes, or the relay does."""
-        try:
-            there_reader, there_writer = await asyncio.open_connection(*self._there)
-        except OSError:
+        """Forward data until either end closes, or the relay cuts them off."""
+        there = None
+        if not self._cut.is_set():
+            with contextlib.suppress(OSError):
+                there = await asyncio.open_connection(*self._there)
+        if there is None:
             writer.transport.abort()
             return
-        ways = (_pass_on(reader, there_writer), _pass_on(there_reader, writer), self._over.wait())
+        there_reader, there_writer = there
+        ways = (_pass_on(reader, there_writer), _pass_on(there_reader, writer), self._cut.wait())
         _, left = await asyncio.wait(map(asyncio.ensure_future, ways), return_when=asyncio.FIRST_COMPLETED)
         for way in left:
             way.cancel()

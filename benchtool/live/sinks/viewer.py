@@ -144,7 +144,7 @@ class Viewer:
         """
         if not self.alive():  # else the SDK would look for it for five seconds
             raise EnvironmentFailure(f"{self.name} has been closed: start another one")
-        self.give_up()
+        self._close_relay()
         self._relay = Relay(self.host.strip("[]"), self.port)
         stream.connect_grpc(f"rerun+http://{LOOPBACK}:{self._relay.port}/proxy")
 
@@ -175,11 +175,11 @@ class Viewer:
     def give_up(self) -> None:
         """Cut the way to it, if there is one."""
         if self._relay is not None:
-            self._relay.close()
+            self._relay.cut()
 
     def close(self) -> None:
         """End the web viewer; leave the native viewer open."""
-        self.give_up()
+        self._close_relay()
         if self._page is not None:
             self._page.close()
             self.end()
@@ -194,6 +194,10 @@ class Viewer:
             except subprocess.TimeoutExpired:
                 self.process.kill()
         self.process.wait()
+
+    def _close_relay(self) -> None:
+        if self._relay is not None:
+            self._relay.close()
 
     def _answers(self) -> bool:
         """Return whether a viewer listens at the address."""

@@ -85,3 +85,22 @@ def test_without_a_listener_a_connection_ends_at_once(there: socket.socket) -> N
         suppress(ConnectionResetError),
     ):
         assert received(here, 1) == b""
+
+
+def test_a_cut_relay_hangs_up_on_old_connections_and_on_new_ones(there: socket.socket) -> None:
+    """A sender that had not connected yet must not be refused: it would try again for seconds."""
+    with closing(Relay("127.0.0.1", there.getsockname()[1])) as relay:
+        here, far = connected(relay, there)
+        with here, far:
+            relay.cut()
+            relay.cut()
+            with suppress(ConnectionResetError):
+                assert received(far, 1) == b""
+        with (
+            socket.create_connection(("127.0.0.1", relay.port), 10.0) as late,
+            suppress(ConnectionResetError),
+        ):
+            assert received(late, 1) == b""
+        there.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            there.accept()

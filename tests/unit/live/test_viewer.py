@@ -15,11 +15,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 
 from benchtool.block import Block, Channel
 from benchtool.errors import EnvironmentFailure, UsageError
 from benchtool.live import LiveView, Setup, Viewer, names
-from benchtool.live.sinks import viewer as module
+from benchtool.live.sinks import sink as sink_module, viewer as module
 from benchtool.live.sinks.viewer import viewer_environment, viewer_program
 from tests.unit.live.readback import Recording
 
@@ -195,6 +196,28 @@ def test_a_viewer_that_was_killed_takes_nothing_and_holds_nothing_up(web: Viewer
         assert view.rows_dropped["the web viewer"] >= 10_000
     assert len(noted) == 1
     assert noted[0].startswith("the web viewer is gone, the measurement goes on without it; ")
+
+
+def test_a_connection_that_is_cut_before_it_is_made_holds_up_no_end(
+    web: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A viewer seems to be back, and is known to be gone before the SDK has connected."""
+    connect = rr.RecordingStream.connect_grpc
+    monkeypatch.setattr(sink_module, "_RELEASE_TIMEOUT_S", 4.0)
+
+    def connect_late(stream: rr.RecordingStream, url: str) -> None:
+        web.give_up()
+        connect(stream, url)
+
+    with LiveView(Setup("test", psi_Wb=0.1), [web], patience_s=_PATIENCE_S) as view:
+        view.add_block(rows(0))
+        monkeypatch.setattr(rr.RecordingStream, "connect_grpc", connect_late)
+        monkeypatch.setattr(Viewer, "_answers", lambda _: True)
+        web.process.kill()
+        web.process.wait()
+        for number in range(1, 4):
+            view.add_block(rows(number))
+    assert not view.sinks[0]._thread.is_alive()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="stops a process by a signal")
