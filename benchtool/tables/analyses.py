@@ -191,7 +191,7 @@ def _lines(record: Record, uniform: Block, what: str) -> Iterator[Measurement | 
             definition = f"largest line of {channel.name}"
             yield Measurement.undefined(name, unit, definition, held, record.basis)
         return
-    lines = spectral_lines(uniform, channel.name, what)
+    lines = spectral_lines(uniform, channel.name, what, rate_relative=record.rate_relative or 0.0)
     yield from lines.measurements
     yield from lines.tables
 

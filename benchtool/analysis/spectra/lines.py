@@ -27,7 +27,7 @@ from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
 from benchtool.analysis.statistics.repeatability import wander_of_line
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -53,14 +53,17 @@ class SpectralLines:
     tables: tuple[Table, ...]
 
 
-def spectral_lines(block: Block, channel: str, name: str = "torque") -> SpectralLines:
+def spectral_lines(
+    block: Block, channel: str, name: str = "torque", *, rate_relative: float = 0.0
+) -> SpectralLines:
     """Return the largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
 
     A DFT of the whole record under a Hann window; frequency and amplitude of each local maximum are
     interpolated between its two greatest bins, or fitted together with lines beside it. A line stands out
     with an amplitude above five times the rms of the noise around it (`around_lines`). Of one that decays,
     or whose frequency drifts, they are the means over the record; what no such course explains has none
-    (`steadiness`).
+    (`steadiness`). `rate_relative` is the standard uncertainty of the sample rate, relative to it, which is
+    that of every frequency too.
 
     Raises:
         AnalysisError: a gap, no such channel, or a dead signal.
@@ -100,7 +103,12 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         )
         return SpectralLines(tuple(undefined), (_table(name, (), channel, unit, what, basis),))
     listed = tuple(
-        (each.place * width_Hz, each.amplitude, each.of_place * width_Hz, each.of_amplitude)
+        (
+            each.place * width_Hz,
+            each.amplitude,
+            width_Hz * math.hypot(each.of_place, rate_relative * each.place),
+            each.of_amplitude,
+        )
         for each in rows[:_LISTED]
     )
     reason = rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
@@ -119,6 +127,11 @@ def spectral_lines(block: Block, channel: str, name: str = "torque") -> Spectral
         )
         for at, ((key, of, text), sensed) in enumerate(zip(texts, moved, strict=True))
     )
+    if rate_relative > 0.0:
+        own = Contribution(source, "A", width_Hz * rows[0].of_place)
+        of_rate = Contribution("sample rate", "B", rate_relative * listed[0][0])
+        uncertain = combined([own, of_rate], f"{source}, and the rate by the time stamps")
+        frequency = replace(frequency, uncertainty=uncertain)
     frequency = replace(
         frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -253,3 +255,17 @@ def test_a_line_without_anything_beside_it_is_no_error() -> None:
     values = np.tile([0.0, 1.0, 1.0, 0.0, -1.0, -1.0], 100)
     found = spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values), "torque")
     assert found.measurements[0].value == pytest.approx(RATE_HZ / 6.0, rel=1e-3)
+
+
+def test_the_frequency_of_a_line_is_as_uncertain_as_the_rate() -> None:
+    block = torque((120.0, 0.1), (240.3, 0.3), noise=1e-4)
+    ticks, stamps = spectral_lines(block, "torque"), spectral_lines(block, "torque", rate_relative=0.01)
+    for alone, timed in zip(ticks.measurements, stamps.measurements, strict=True):
+        assert timed.value == alone.value
+    assert ticks.measurements[0].uncertainty is not None
+    assert ticks.measurements[0].uncertainty.standard < 0.01
+    assert stamps.measurements[0].uncertainty is not None
+    assert math.isclose(stamps.measurements[0].uncertainty.standard, 2.403, rel_tol=1e-3)
+    assert [each.name for each in stamps.measurements[0].uncertainty.lines][-1] == "sample rate"
+    assert stamps.measurements[1].uncertainty == ticks.measurements[1].uncertainty
+    np.testing.assert_allclose([row[2] for row in stamps.tables[0].rows], [2.403, 1.2], rtol=1e-3)
