@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Mapping
 from datetime import datetime
@@ -173,7 +174,8 @@ def analyze(
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
     turning = None if angle is None and omega_m_rad_s is None else "--angle"
-    has_speed = speed is not None and current is not None
+    # what begins like a number may be meant as a constant speed, and is told how that is written
+    has_speed = speed is not None and (current is not None or bool(re.match(r"[+-]?\.?[0-9]", speed)))
     for option, without in (
         ("--pole-pairs", pole_pairs is not None and turning is None and not has_speed and "--angle"),
         ("--slots", slots is not None and turning is None and "--angle"),

@@ -123,6 +123,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
         AnalysisError: a column is missing or asked for twice, or no rows are left.
     """
     table = TextTable.open(question.file, question.decimal, timed=question.rate_Hz is None)
+    _require_one_signal(table)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
     data = rows.data
@@ -145,6 +146,20 @@ def read_columns(question: TableQuestion) -> TableColumns:
     in_span = (lost_s >= question.from_s) & (lost_s <= question.to_s)
     lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
     return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost)
+
+
+def _require_one_signal(table: TextTable) -> None:
+    """Raises:
+    AnalysisError: the rows have one signal after the other.
+    """
+    number = table.layout.signals
+    if number:
+        name = table.layout.columns[number - 1].name
+        called = f" '{name}'" if name else ""
+        raise AnalysisError(
+            f"column {number}{called} of {table.path} says of each row which signal it has, over and over "
+            f"again: a column for each signal is expected, export it in wide form"
+        )
 
 
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:

@@ -36,7 +36,7 @@ _REMARKS = frozenset(
         "commento",
     )
 )
-_IN_A_UNIT = re.compile(r"(.+?)\s+in\s+(\S+)")
+_IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
 
@@ -65,7 +65,8 @@ class Column:
             return replace(self, name=name.strip())
         if not self.other_name or name.strip().lower() != self.other_name.lower():
             return self
-        return replace(self, name=self.other_name, unit=_unit_in(self.other_name), other_name="")
+        unit = self.other_name if _is_unit_cell(self.other_name) else _unit_in(self.other_name)
+        return replace(self, name=self.other_name, unit=unit, other_name="")
 
     @property
     def bare_name(self) -> str:
@@ -326,7 +327,7 @@ def _quotient(name: str) -> tuple[str, str]:
     """Return quantity and unit of a name that is a quotient of both, or that is the one in the other (`C1 in
     mA`), else the name and no unit."""
     if (match := _IN_A_UNIT.fullmatch(name.strip())) and is_unit(match[2]):
-        return match[1], match[2]
+        return match[1] or name.strip(), match[2]
     quantity, solidus, unit = (part.strip() for part in name.partition("/"))
     unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
     return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")

@@ -24,7 +24,9 @@ from benchtool.tables.head import (
     split,
     units_in,
 )
+from benchtool.tables.long_form import signal_column
 from benchtool.tables.stamps import is_stamp
+from benchtool.tables.units import is_unit
 
 _HEAD_BYTES = 256 * 1024
 _SAMPLE_BYTES = 32 * 1024
@@ -55,8 +57,10 @@ class Layout:
 
     `head` is the line nearest the numbers that is neither blank nor a comment where no line names the
     columns. Where `is_open`, the sample has the decimal sign, or the other one, only where one between
-    thousands might be. `head_units` are all units in the head, whether of a column or not. `head_numbers`
-    is the last line of numbers right above the rows that was taken for one of the head.
+    thousands might be. `head_units` are all units in the head, whether of a column or not, and those of two
+    letters or more in cells beside and below the numbers. `head_numbers` is the last line of numbers right
+    above the rows that was taken for one of the head.
+    `signals` is the number of a column, from 1, that says which signal each row has, 0 without one.
     """
 
     delimiter: str
@@ -68,6 +72,7 @@ class Layout:
     is_open: bool = False
     head_units: tuple[str, ...] = ()
     head_numbers: str = ""
+    signals: int = 0
 
 
 @dataclass(frozen=True)
@@ -169,8 +174,23 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     other = "." if decimal == "," else ","
     is_open = Use.NOTHING < max(use_of(decimal, cells) for cells in kept) < Use.DECIMALS
     is_open |= any(use_of(other, cells) == Use.EITHER for cells in kept)
-    units = units_in(texts[:head_lines], delimiter)
-    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units, numbers)
+    aside = _aside(cells_of, delimiter, decimal, numeric)
+    units = tuple(dict.fromkeys((*units_in(texts[:head_lines], delimiter), *filter(is_unit, aside))))
+    names_of = signal_column(in_rows, numeric)
+    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units, numbers, names_of)
+
+
+def _aside(
+    sample: Sequence[Sequence[str]], delimiter: str, decimal: str, numeric: Sequence[bool]
+) -> dict[str, None]:
+    """Return what stands in the lines of a sample beside the numbers of a row, and in lines that are none;
+    letters alone are left out."""
+    found: dict[str, None] = {}
+    for cells in sample:
+        is_row = _is_row(cells, delimiter, decimal, len(numeric), numeric)
+        words = (cell for place, cell in enumerate(cells) if not (is_row and numeric[place]))
+        found |= dict.fromkeys(bare for word in words if len(bare := word.strip("()[]{}<> ")) > 1)
+    return found
 
 
 def _almost_a_number(sample: Sequence[bytes]) -> str:

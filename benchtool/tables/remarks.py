@@ -40,6 +40,7 @@ class RemarkKind(StrEnum):
     CALIBRATED_LATER = "calibrated_later"
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
+    TIME_GOES_BACK = "time_goes_back"
 
 
 @dataclass(frozen=True)
@@ -139,6 +140,9 @@ def remarks(record: Record) -> Iterator[Remark]:
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _shortened(record):
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
+    if np.any(np.diff(record.data[:, 0]) < 0.0) and not np.all(np.diff(record.data[:, 0]) <= 0.0):
+        text = f"{record.base.refusal}; the numbers are of all rows together: measure each record by itself"
+        yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
     if text := _repeated(record.data[:, 1:]):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
     for what, channel in record.channels.items():

@@ -63,12 +63,17 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
     unit, unit_from = _unit(column, si_unit)
     if stated.unit:
         unit, unit_from = stated.unit, "option"
+    if stated.unit and "*" in stated.unit and unit_factor(unit, si_unit) is None:
+        raise AnalysisError(
+            f"'{unit}' of column '{wanted}' is no unit with a gain and an offset: they are written as "
+            f"A*10-0.2, with decimal points, the value is cell x gain + offset"
+        )
     factor = unit_factor(unit, si_unit)
     if factor is None and rated is not None and unit.lower() in PERCENT:
         factor = rated / 100.0
     if unit_from == "assumed" and (elsewhere := _unit_elsewhere(layout, si_unit)):
         raise AnalysisError(
-            f"the head of {path} has the unit '{elsewhere}', but not of which column; '{wanted}' has none: "
+            f"{path} has the unit '{elsewhere}', but not of which column; '{wanted}' has none: "
             f"state it in the option, as '{wanted}:{si_unit}' or '{wanted}:{elsewhere}'"
         )
     if factor is None:
@@ -100,7 +105,8 @@ def _unit(column: Column, si_unit: str) -> tuple[str, str]:
 
 
 def _unit_elsewhere(layout: Layout, si_unit: str) -> str:
-    """Return a unit of the kind in the head that is not SI and of no column; empty if there is none."""
+    """Return a unit of the kind in the head, or beside the numbers, that is not SI and of no column; empty if
+    there is none."""
     used = {column.unit for column in layout.columns}
     other = (each for each in layout.head_units if each not in used)
     return next((each for each in other if unit_factor(each, si_unit) not in (None, 1.0)), "")

@@ -19,7 +19,7 @@ _PATTERN = (
     r"(?P<zone> ?[Zz]|(?P<sign>[+-])(?P<hours>[0-9]{2}):?(?P<minutes>[0-9]{2})?)?$"
 )
 _STAMP = re.compile(_PATTERN)
-_DAY_S, _HOUR_S = 86400.0, 3600.0
+_DAY_NS, _HOUR_NS = 86_400_000_000_000, 3_600_000_000_000
 
 
 def is_stamp(cell: str) -> bool:
@@ -59,13 +59,14 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     zone_s *= np.where(_values(pc.equal(part["sign"], "-")) > 0.0, -1.0, 1.0)
     whole_s = day_s + 3600.0 * hour + 60.0 * minute + second - zone_s
     first = int(np.argmax(known))
-    # the whole seconds first: a second of the year 2026 leaves no room for nanoseconds
-    count_ns = _count(part["fraction"], 9) + _count(part["part"], 9)
-    elapsed_s = (whole_s - whole_s[first]) + 1e-9 * (count_ns - count_ns[first])
+    # whole nanoseconds, rounded once: sums of rounded seconds are off the grid that the stamps are written on
+    count_ns = (_count(part["fraction"], 9) + _count(part["part"], 9)).astype(np.int64)
+    elapsed_ns = 1_000_000_000 * np.where(known, whole_s - whole_s[first], 0.0).astype(np.int64)
+    elapsed_ns += count_ns - count_ns[first]
     if not has_date:
-        turn_s = _DAY_S if _is_set(part["hour"])[known].any() else _HOUR_S
-        elapsed_s[known] += turn_s * np.cumsum(np.diff(elapsed_s[known], prepend=0.0) < -0.5 * turn_s)
-    return pa.chunked_array([pa.array(elapsed_s, mask=~known)])
+        turn_ns = _DAY_NS if _is_set(part["hour"])[known].any() else _HOUR_NS
+        elapsed_ns[known] += turn_ns * np.cumsum(2 * np.diff(elapsed_ns[known], prepend=0) < -turn_ns)
+    return pa.chunked_array([pa.array(elapsed_ns / 1e9, mask=~known)])
 
 
 def _days(part: dict[str, pa.Array]) -> tuple[NDArray[np.float64], bool]:

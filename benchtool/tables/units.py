@@ -188,6 +188,9 @@ _NAMES = frozenset(
 """What names of units, of counts and of scales begin with or are made of."""
 _FEWEST_LETTERS = 5  # of a word that no unit is mistaken for: lbfin and kgfcm are one letter off
 _NEAR = {5: 1, 8: 2}  # edits by which a word of so many letters or more is a misspelt one of a unit
+_ATTENUATION = re.compile(r"[xX×*:/]\s*1(?:0+)(?:\.0*)?|10+\s*(?:[xX×*]|:\s*1)|1\s*:\s*10+")  # of a probe
+_JOINTS = r"[_\s:=.@,;-]+"
+_HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])"  # behind m it may be that of mNm
 _INDEX = re.compile(r"[0-9]+|[a-z]{0,3}[0-9]{1,3}|[abcdiqruvwxyz]|[0-9:,;]+", re.IGNORECASE)
 
 
@@ -221,7 +224,8 @@ def is_unit(text: str) -> bool:
 def is_scale(text: str) -> bool:
     """Return whether `text` is a scale that no column here may be in as it stands: counts, percent, another
     kind."""
-    return text.strip().translate(_CHARACTERS).lower() in _SCALES
+    symbol = text.strip().translate(_CHARACTERS).lower()
+    return symbol in _SCALES or _ATTENUATION.fullmatch(text.strip()) is not None
 
 
 @cache
@@ -292,16 +296,21 @@ def is_reciprocal_second(text: str) -> bool:
 
 
 def unit_behind(name: str, unit: str) -> str:
-    """Return the unit of the kind of `unit` that a name ends in (`Iq_mA`, `time ms`, `omega_deg_s`), or
-    nothing."""
-    words = re.split(r"[_\s]+", name.strip())
-    for count, between in ((3, "/"), (2, "/"), (1, "")):
-        behind = [each for each in words[-count:] if each != "per"]
-        text = between.join(behind)
-        # a letter alone is an index: i_s, u_h
-        if len(words) > count and len(text) > 1 and unit_factor(text, unit) is not None:
-            return text
-    return ""
+    """Return the unit of the kind of `unit` that a name ends in (`Iq_mA`, `time ms`, `omega_deg_s`, `i:mA`,
+    `speedRpm`), else the one that it begins with (`ms_today`), or nothing."""
+    name = name.strip()
+    joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", name)
+    splits = [re.split(sign, each) for sign, each in ((r"[_\s]+", name), (_JOINTS, name), (_JOINTS, joined))]
+    for words in splits:
+        for count, between in ((3, "/"), (2, "/"), (1, "")):
+            behind = [each for each in words[-count:] if each != "per"]
+            text = between.join(behind)
+            # a letter alone is an index: i_s, u_h
+            if len(words) > count and len(text) > 1 and unit_factor(text, unit) is not None:
+                return text
+    first = splits[0][0]
+    is_unit_first = len(splits[0]) > 1 and len(first) > 1 and first.lower() not in ("min", "max")
+    return first if is_unit_first and unit_factor(first, unit) is not None else ""
 
 
 def units_of(unit: str) -> str:

@@ -74,7 +74,7 @@ def test_an_index_and_words_are_no_units(tmp_path: Path, text: str) -> None:
     [
         *("Nmms", "mA rms", "mArms", "Npm", "Newtn", "Newtonmeeter", "ampers", "kNmn", "A peak", "miliamp"),
         *("secnds", "degres", "inch pounds", "poundfeet", "horsepower", "samples", "Inkremente", "impulses"),
-        *("Prozent", "LP 1 kHz", "mAmps", "kelvins"),
+        *("Prozent", "LP 1 kHz", "mAmps", "kelvins", "x10", "1:100", "100x"),
     ],
 )
 def test_what_may_be_a_misspelt_unit_or_a_count_is_no_description(text: str) -> None:
@@ -87,7 +87,10 @@ def test_what_may_be_a_misspelt_unit_or_a_count_is_no_description(text: str) -> 
     [
         *(("time_ms", "s", "ms"), ("torque mNm", "Nm", "mNm"), ("n_rpm", "rad/s", "rpm")),
         *(("omega_deg_per_s", "rad/s", "deg/s"), ("i_s", "A", ""), ("i_a", "A", ""), ("i_d", "s", "")),
-        *(("u_h", "s", ""), ("ms", "s", ""), ("T_max", "Nm", "")),
+        *(("u_h", "s", ""), ("ms", "s", ""), ("T_max", "Nm", ""), ("torquemNm", "Nm", "")),
+        *(("ms_today", "s", "ms"), ("mA_i", "A", "mA"), ("min_t", "s", ""), ("A_i", "A", "")),
+        *(("t:ms", "s", "ms"), ("i.mA", "A", "mA"), ("i@mA", "A", "mA"), ("T=mNm", "Nm", "mNm")),
+        *(("speedRpm", "rad/s", "rpm"), ("timeMs", "s", "ms"), ("timeS", "s", ""), ("T.N", "Nm", "")),
     ],
 )
 def test_a_name_may_end_in_its_unit(name: str, si_unit: str, unit: str) -> None:

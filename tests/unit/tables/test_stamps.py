@@ -46,6 +46,12 @@ def test_times_of_day_go_on_behind_midnight_and_those_with_a_date_do_not() -> No
     assert seconds("2026-01-01 23:59:59", "2026-01-01 00:00:00") == [0.0, -86399.0]
 
 
+def test_stamps_lie_on_the_grid_that_they_are_written_on() -> None:
+    cells = [f"23:59:59.{place:03d}" for place in range(800, 1000)]
+    cells += [f"00:00:00.{place:03d}" for place in range(200)]
+    assert seconds(*cells) == [place / 1000 for place in range(400)]
+
+
 def test_what_is_no_time_is_null_and_the_first_time_counts() -> None:
     assert seconds("x", "10:00:00", "", "2026-13-01 10:00:00", "10:00:02", "25:00:00") == [
         *(None, 0.0, None, None, 2.0, None)
