@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -88,7 +89,7 @@ def compare(
 
 def _labels(runs: Sequence[Path]) -> list[str]:
     """Return the folders' names; where two are called the same, their paths."""
-    names = [run.resolve().name for run in runs]
+    names = [os.path.basename(os.path.realpath(run)) for run in runs]  # resolve() raises on a loop of links
     labels = [str(run) if names.count(name) > 1 else name for run, name in zip(runs, names, strict=True)]
     return [
         f"{label}#{labels[: place + 1].count(label)}" if labels.count(label) > 1 else label
