@@ -23,7 +23,8 @@ from benchtool.analysis.statistics.scatter import (
     tail_index,
     tail_indices_of_heavy,
 )
-from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve, left_of_steps
+from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
+from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 

@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve, at_rest_error
+from benchtool.analysis.steps.noisy_curve import NoisyCurve, at_rest_error
+from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.step_shape import Step
 
 Floats = NDArray[np.float64]

@@ -21,6 +21,14 @@ from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_l
 from benchtool.analysis.steps.bursts import noise_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.converter_levels import at_turns, within_levels
+from benchtool.analysis.steps.passages import (
+    LEAST_DEFINED,
+    Instant,
+    Passage,
+    first_passage,
+    last_passage,
+    rising,
+)
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola
@@ -36,53 +44,6 @@ _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its er
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
-_TROUGH = 2.0  # times as many, below a level that it has passed: no noise of a rise
-_LEAST_DEFINED = 0.9  # of the draws, for an instant that the noise leaves certain
-_OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
-_OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
-_VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
-
-
-@dataclass(frozen=True)
-class Instant:
-    """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
-
-    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all. `drawn`,
-    shape (draws,), are the places that noise may make of it; empty without noise.
-    """
-
-    place: float
-    standard: float
-    drawn: tuple[float, ...] = ()
-
-    def widened(self, standard: float) -> Instant:
-        """Return the instant with another contribution, evenly distributed, to its uncertainty."""
-        within = math.sqrt(3.0) * standard
-        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.drawn))
-        return Instant(self.place, math.hypot(self.standard, standard), tuple((moved + self.drawn).tolist()))
-
-
-@dataclass(frozen=True)
-class Passage:
-    """Place at which a curve passes a level, half the width of the interval that the samples allow, and the
-    `places` of the draws, shape (draws,), nan where one does not pass it."""
-
-    place: float
-    reach: float
-    places: Floats
-
-    @property
-    def instant(self) -> Instant:
-        """The place, with what noise and the samples leave open."""
-        return self.moved(self.place, self.places)
-
-    def moved(self, place: float, drawn: Floats) -> Instant:
-        """Return another place that follows from this one, and `drawn`, shape (draws,), from its draws."""
-        known = drawn[np.isfinite(drawn)]
-        if len(known) < _LEAST_DEFINED * len(drawn):
-            return Instant(place, math.inf)
-        noise = float(np.sqrt(np.mean((known - place) ** 2))) if len(known) else 0.0
-        return Instant(place, noise, tuple(known.tolist())).widened(self.reach / math.sqrt(3.0))
 
 
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
@@ -298,14 +259,14 @@ class NoisyCurve:
         every call.
         """
         above, sure = self.values - level, _SURE * self.standard
-        found = _first(above, sure)
+        found = first_passage(above, sure)
         if found is None:
             return None
         within = math.sqrt(3.0) * doubt
         moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.errors)) if doubt else ()
         shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
-        rising = _rising(above, sure) if len(shifted) else above
-        drawn = (_first(rising + each, sure) for each in shifted)
+        course = rising(above, sure) if len(shifted) else above
+        drawn = (first_passage(course + each, sure) for each in shifted)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         return Passage(found.place, found.reach, places)
 
@@ -316,16 +277,16 @@ class NoisyCurve:
         What the errors move both by cancels.
         """
         sure = _SURE * self.standard
-        first, last = (_first(self.values - level, sure) for level in (low, high))
+        first, last = (first_passage(self.values - level, sure) for level in (low, high))
         if first is None or last is None:
             return None
         moved, wide = [], math.hypot(first.reach, last.reach) / math.sqrt(3.0)
-        courses = [_rising(self.values - level, sure) for level in (low, high)] if len(self.errors) else []
+        courses = [rising(self.values - level, sure) for level in (low, high)] if len(self.errors) else []
         for each in self.errors:
-            one, other = (_first(course + each, sure) for course in courses)
+            one, other = (first_passage(course + each, sure) for course in courses)
             if one is not None and other is not None:
                 moved.append(other.place - one.place - (last.place - first.place))
-        if len(moved) < _LEAST_DEFINED * len(self.errors):
+        if len(moved) < LEAST_DEFINED * len(self.errors):
             return Instant(last.place - first.place, math.inf)
         noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
         return Instant(last.place - first.place, math.hypot(noise, wide))
@@ -337,11 +298,11 @@ class NoisyCurve:
         A curve that turns back just within a level of a converter may leave the band there or not: which it
         is, is what most draws make of it.
         """
-        found = _last(self.values, level, band)
+        found = last_passage(self.values, level, band)
         if found is None:
             return None
         errors = self.errors if self.turned is None else self.errors + self.turned
-        drawn = (_last(self.values + each, level, band) for each in errors)
+        drawn = (last_passage(self.values + each, level, band) for each in errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         is_either = self.turned is not None and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
@@ -373,124 +334,3 @@ def _of_times(random: np.random.Generator, curve: Floats, scatter: float, draws:
     """Return errors, shape (draws, n), of samples whose times scatter by so many rows."""
     slope = np.gradient(curve) if scatter else np.zeros(len(curve))
     return np.asarray(scatter * slope * random.standard_normal((draws, len(curve))))
-
-
-@dataclass(frozen=True)
-class _Crossing:
-    """Place of a crossing between two samples, and half the width of the interval that the samples allow."""
-
-    place: float
-    reach: float
-
-
-def _first(above: Floats, sure: Floats) -> _Crossing | None:
-    at = int(np.argmax(above >= 0.0))
-    if above[at] < 0.0:
-        return None
-    found = _between(above, at) if at else _before_the_first(above)
-    after = above[at:]
-    clear = np.flatnonzero((after >= sure[at:]) | (after <= -_TROUGH * sure[at:]))
-    until = int(clear[0]) if len(clear) else 0
-    if after[until] < 0.0:  # it falls from a crest beyond the level, and passes that again later
-        until = int(np.flatnonzero(after[:until] >= 0.0)[-1])
-    again = int(np.count_nonzero(after[:until] < 0.0))
-    return _Crossing(found.place + again, found.reach) if again else found
-
-
-def _rising(above: Floats, sure: Floats) -> Floats:
-    """Return a course, shape (n,), without its noise until it is beyond zero by more than that, as it would
-    be in a draw twice: up to there the least-squares one that falls nowhere (isotonic regression: Barlow et
-    al., Statistical Inference under Order Restrictions, 1972, 1.2)."""
-    from scipy import optimize  # takes longer than all else here
-
-    beyond = int(np.argmax(above >= sure)) + 1
-    rises = optimize.isotonic_regression(above[:beyond]).x
-    within = np.abs(rises - above[:beyond]) <= sure[:beyond]
-    return np.concatenate([np.where(within, rises, above[:beyond]), above[beyond:]])
-
-
-def _before_the_first(above: Floats) -> _Crossing:
-    """Return where zero was crossed since the sample before the first, which was below: after the line
-    through the first two is there, unless they fall."""
-    slope = float(above[1] - above[0]) if len(above) > 1 else 0.0
-    reach = min(1.0, float(above[0]) / slope) if slope > 0.0 else 1.0
-    return _Crossing(-0.5 * reach, 0.5 * reach)
-
-
-def _last(values: Floats, level: float, band: float) -> _Crossing | None:
-    inside = band - np.abs(values - level)
-    outside = np.flatnonzero(inside < 0.0)
-    at = int(outside[-1]) + 1 if len(outside) else 0
-    if at == len(inside):
-        return None
-    return _last_lobe(inside, at) or (_between(inside, at) if at else _Crossing(0.0, 0.0))
-
-
-def _last_lobe(inside: Floats, begin: int) -> _Crossing | None:
-    """Return where a curve, which samples from `begin` on show above zero, rises from the last lobe below it
-    between samples: on the parabola through the lowest of three, with what a third difference changes."""
-    rises = np.diff(inside)
-    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + 1
-    lowest = lowest[(lowest > max(begin, 1)) & (lowest < len(inside) - 2)]
-    slope = 0.5 * (inside[lowest + 1] - inside[lowest - 1])
-    bend = inside[lowest + 1] - 2.0 * inside[lowest] + inside[lowest - 1]
-    below = slope**2 / (2.0 * bend) - inside[lowest]
-    if not np.any(below > 0.0):
-        return None
-    last = int(np.flatnonzero(below > 0.0)[-1])
-    row, bend_there = int(lowest[last]), float(bend[last])
-    half = math.sqrt(2.0 * float(below[last]) / bend_there)
-    bends = np.diff(inside[row - 2 : row + 3], 2)
-    uneven = float(np.max(np.abs(bends - bend_there))) / (16.0 * bend_there)
-    return _Crossing(row - float(slope[last]) / bend_there + half, min(half, uneven / half))
-
-
-def _between(above: Floats, at: int) -> _Crossing:
-    """Return the crossing of zero between samples `at` - 1, below it, and `at`, not below it.
-
-    The line through the two before (or rest, before the first) and that through the two after bound it,
-    unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
-    it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
-    """
-    below, here = float(above[at - 1]), float(above[at])
-    first = last = line = below / (below - here)
-    slope = below - float(above[at - 2]) if at >= 2 else 0.0
-    from_before = min(1.0, -below / slope) if slope > 0.0 else 1.0
-    first, last = min(first, from_before), max(last, from_before)
-    if at + 1 < len(above):
-        slope = float(above[at + 1]) - here
-        from_after = max(0.0, 1.0 - here / slope) if slope > 0.0 else 0.0
-        first, last = min(first, from_after), max(last, from_after)
-    width, middle = last - first, 0.5 * (first + last)
-    if at >= 2 and at + 1 < len(above):
-        cubic = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
-        place, reach = (1.0 - width) * cubic + width * middle, 0.5 * width
-        if 3 <= at < len(above) - 2:
-            off = _off_a_cubic(above[at - 3 : at + 3]) / (here - below)
-            if off < reach:
-                place, reach = cubic, off
-        return _Crossing(at - 1 + place, reach)
-    place = (1.0 - width) * line + width * middle
-    # the width of as large a deviation from there as from the middle of the interval
-    return _Crossing(at - 1 + place, math.hypot(0.5 * width, math.sqrt(3.0) * (middle - place)))
-
-
-def _off_a_cubic(six: Floats) -> float:
-    """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
-    its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
-    as its second difference."""
-    second, fourth = (float(np.max(np.abs(np.diff(six, order)))) for order in (2, 4))
-    share = min(1.0, fourth / second) if second > 0.0 else 0.0
-    return fourth * (_OF_SMOOTH + share * _OF_KINK)
-
-
-def _cubic_zero(four: Floats, start: float) -> float:
-    """Return zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
-    a, b, c, d = np.linalg.solve(_VANDERMONDE, four).tolist()
-    place = start
-    for _ in range(3):
-        slope = b + place * (2.0 * c + place * 3.0 * d)
-        if slope <= 0.0:
-            return start
-        place = min(max(place - (a + place * (b + place * (c + place * d))) / slope, 0.0), 1.0)
-    return place

@@ -26,7 +26,8 @@ from benchtool.analysis.statistics.scatter import means_of_parts
 from benchtool.analysis.steps.arrived_samples import LITTLE, ArrivedSamples, end_of_tail
 from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
-from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_drift import find_drift, wanders
 from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step

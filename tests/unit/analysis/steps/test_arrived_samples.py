@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
-from benchtool.analysis.steps.noisy_curve import Instant, NoisyCurve
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.uncertainty import Uncertainty
 
