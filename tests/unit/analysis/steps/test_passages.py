@@ -1,0 +1,64 @@
+"""Places at which a curve passes a level: between samples, before the first, and for the last time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.steps.passages import Crossing, first_passage, last_passage
+
+
+def passed(above: list[float]) -> Crossing:
+    found = first_passage(np.array(above), np.zeros(len(above)))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("ahead", [0.1, 0.5, 0.9])
+def test_a_level_that_the_first_sample_is_beyond_was_passed_since_the_one_before(ahead: float) -> None:
+    found = passed([ahead, ahead + 1.0, ahead + 2.0])
+    assert found.place - found.reach == pytest.approx(-ahead)
+    assert found.place + found.reach == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("above", [[0.5], [0.5, 0.4, 0.3], [3.0, 4.0, 5.0]])
+def test_without_a_slope_that_leads_there_it_was_anywhere_since_the_one_before(above: list[float]) -> None:
+    assert passed(above) == Crossing(-0.5, 0.5)
+
+
+def test_a_curve_that_stays_below_passes_nothing() -> None:
+    assert first_passage(np.array([-2.0, -1.0, -0.5]), np.zeros(3)) is None
+
+
+def test_samples_below_a_level_put_it_off_until_the_curve_is_surely_beyond() -> None:
+    above = np.array([-2.0, -1.0, 0.1, -0.1, 0.1, 2.0, 3.0])
+    assert 1.0 < passed(above.tolist()).place < 2.0
+    late = first_passage(above, np.full(7, 0.5))
+    assert late is not None
+    assert late.place == pytest.approx(passed(above.tolist()).place + 1.0)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.25, 0.5, 0.75])
+def test_a_smooth_curve_passes_within_the_reach(begin: float) -> None:
+    place = 5.0 + begin
+    found = passed(np.sin(0.2 * (np.arange(12) - place)).tolist())
+    assert abs(found.place - place) <= found.reach
+    assert found.reach < 1e-3
+
+
+def test_a_jump_is_anywhere_between_its_two_samples() -> None:
+    assert passed([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]) == Crossing(2.5, 0.5)
+
+
+def test_the_last_passage_is_where_a_lobe_between_samples_ends() -> None:
+    """A crest between two samples that are both inside leaves the band by itself."""
+    values = 1.02 - 0.05 * (np.arange(12) - 6.5) ** 2
+    values[:5] = 3.0
+    found = last_passage(values, 0.5, 0.51)
+    assert found is not None
+    assert found.place == pytest.approx(6.5 + np.sqrt(0.01 / 0.05))
+
+
+def test_values_that_are_never_outside_are_inside_from_the_first_on_and_others_never() -> None:
+    assert last_passage(np.ones(8), 1.0, 0.1) == Crossing(0.0, 0.0)
+    assert last_passage(np.arange(8.0), 1.0, 0.1) is None
