@@ -52,7 +52,7 @@ def test_a_jump_is_anywhere_between_its_two_samples() -> None:
 
 def test_the_last_passage_is_where_a_lobe_between_samples_ends() -> None:
     """A crest between two samples that are both inside leaves the band by itself."""
-    values = 1.02 - 0.05 * (np.arange(12) - 6.5) ** 2
+    values = 1.02 - 0.05 * (np.arange(12.0) - 6.5) ** 2
     values[:5] = 3.0
     found = last_passage(values, 0.5, 0.51)
     assert found is not None
