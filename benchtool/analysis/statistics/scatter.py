@@ -370,7 +370,9 @@ def scatter_of_largest(values: NDArray[np.float64], *tails: float) -> float:
         least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
     top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
     excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
-    square = sum(_of_extreme(tail, beyond) ** 2 for tail in tails) / len(tails) if tails else _GUMBEL**2
+    square = (
+        sum(extreme_over_excess(tail, beyond) ** 2 for tail in tails) / len(tails) if tails else _GUMBEL**2
+    )
     return max(least, math.sqrt(square) * excess)
 
 
@@ -391,16 +393,16 @@ def _of_gumbel(count: int, beyond: int) -> float:
     return float(np.mean(places[1:]) - places[0])
 
 
-def _of_extreme(tail: float, beyond: int) -> float:
+def extreme_over_excess(tail: float, beyond: int) -> float:
     """Return the standard deviation of the largest of `beyond` excesses on average, over their mean.
 
     Of generalised Pareto excesses of scale s and index x the mean is s / (1 - x), the largest of n behaves as
     s ((n / e)^x - 1) / x with e exponential.
     """
     tail = min(tail, _HEAVIEST)
-    if tail <= _EXPONENTIAL:
+    if abs(tail) <= _EXPONENTIAL:
         return _GUMBEL
-    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / tail
+    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / abs(tail)
     return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
 
 
@@ -420,7 +422,7 @@ def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> floa
     size = np.abs(deviations)
     tops = [top >> octave for octave in range(int(math.log2(top / _FEWEST_OF_TAIL)) + 1)]
     largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
-    found = [_moment_estimate(largest, each) for each in tops]
+    found = [moment_estimate(largest, each) for each in tops]
     index, standard = next(each for number, each in enumerate(found) if _is_of_all(each, found[number + 1 :]))
     return index + standard if index > standard else 0.0
 
@@ -443,7 +445,7 @@ def tail_indices_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> tupl
     top = min(max(len(deviations) // of_tail, _FEWEST_OF_TAIL), _MOST_OF_TAIL)
     if len(deviations) <= _FEWEST_OVER_TAIL * top:
         return ()
-    index, standard = _moment_estimate(np.abs(deviations), top)
+    index, standard = moment_estimate(np.abs(deviations), top)
     if not standard > 0.0:
         return ()
     found = NormalDist(index, standard)
@@ -452,7 +454,7 @@ def tail_indices_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> tupl
     return tuple(found.inv_cdf(each) for each in shares.tolist() if each < 1.0)
 
 
-def _moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:
+def moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:
     """Return the index of the tail of magnitudes, shape (n,), over so many of the largest, and its standard
     deviation; 0 and 0 where these show none."""
     largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]

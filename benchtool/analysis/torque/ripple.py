@@ -254,14 +254,16 @@ def _numbers(
             full, value, unit, text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
         )
 
+    range_between = percentile_range(samples)
     # what noise turns into noise, the scatter holds already
     of_mean = of_rms = 0.0
     if scatter is not None and scatter.steps is not None:
         of_mean, of_rms = scatter.steps.of_mean(), scatter.steps.of_rms
-    # noise too slow for the record moves its mean in place of its rms
+    # noise too slow for the record moves its mean in place of its rms: nan where that is not known
     taken = 0.0
-    if scatter is not None and whole.rms > 0.0 and math.isfinite(scatter.mean.standard):
+    if scatter is not None and whole.rms > 0.0:
         taken = scatter.mean.standard**2 / (2.0 * whole.rms)
+    of_range = taken * range_between / whole.rms if math.isfinite(taken) and whole.rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square
     if scatter is None or scatter.steps is None or not scatter.steps.has_noise:
         of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
@@ -288,7 +290,6 @@ def _numbers(
         slow=taken,
     )
     yield rms
-    range_between = percentile_range(samples)
     yield measured(
         "ripple_percentile_range",
         f"{HIGH_PERCENT:g}th minus {LOW_PERCENT:g}th percentile of {what}",
@@ -297,7 +298,7 @@ def _numbers(
         step / math.sqrt(6.0),
         Sensitivities.of_extremes(channel, range_between),
         step,
-        slow=taken * range_between / whole.rms if whole.rms > 0.0 else 0.0,
+        slow=of_range,
     )
     reason = clipped or _no_base(mean, whole, name)
     for number in (peak_to_peak, rms):

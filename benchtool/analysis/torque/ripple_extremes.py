@@ -14,6 +14,7 @@ from benchtool.analysis.statistics.maxima import (
     ends_before_normal,
     is_no_heavier_than_normal,
     scatter_of_heap,
+    scatter_of_largest_heavy,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
@@ -32,6 +33,7 @@ FEWEST_PERIODS = 3
 _SAMPLES_OF_TAIL = 1 << 17
 _IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
+_PARTS_OF_PERIOD = 16
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 
 
@@ -39,11 +41,13 @@ _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk 
 class Tails:
     """Index of the tails of what differs from period to period, whether they are no heavier than normal, and
     the standard deviation of the largest of all samples of normal noise that differs from one to the next, 0
-    where none shows: where a ripple leaves fewer near the largest, it is more."""
+    where none shows: where a ripple leaves fewer near the largest, it is more. `heavy` are the deviations
+    whose samples are heavier than normal and independent; none where they are not both."""
 
     index: float
     is_light: bool
     of_normal: float
+    heavy: Floats
 
     @staticmethod
     def of(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Tails:
@@ -58,7 +62,8 @@ class Tails:
         about_mean, noise_rms = samples - np.mean(samples), float(np.std(both[1])) / math.sqrt(6.0)
         if float(np.std(samples)) < _IS_NOISE * noise_rms and ends_before_normal(about_mean):
             of_normal = 0.0
-        return Tails(index, is_light, of_normal)
+        is_heavy = not any(map(is_no_heavier_than_normal, both)) and not _is_clustered(both[0], len(begin))
+        return Tails(index, is_light, of_normal, both[0] if is_heavy else np.empty(0))
 
 
 def extremes_of_ripple(
@@ -86,6 +91,11 @@ def extremes_of_ripple(
         both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))
         return math.hypot(*both)
     apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
+    if len(tails.heavy) and not together:
+        signed = ((tails.heavy, largest.values), (-tails.heavy, least.values))
+        by_samples = math.hypot(*(scatter_of_largest_heavy(*each) for each in signed))
+        # few maxima tell too little at times, and samples nothing far beyond them: each is as likely
+        apart = math.hypot(apart, by_samples) / math.sqrt(2.0) if by_samples else apart
     if together or len(begin) <= _FEW_EXTREMES:
         # what makes both extremes larger together scatters as their difference does
         apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
@@ -141,6 +151,14 @@ def _grow_together(one: Floats, other: Floats) -> bool:
     if not min(np.std(one), np.std(other)) > 0.0:
         return False
     return bool(math.sqrt(len(one)) * np.corrcoef(one, other)[0, 1] > _TOGETHER)
+
+
+def _is_clustered(deviations: Floats, periods: int) -> bool:
+    """Return whether the sizes of deviations, shape (n,), of so many periods are alike in neighbouring parts
+    of a period, as of bursts or of slow noise."""
+    length = max(1, len(deviations) // (periods * _PARTS_OF_PERIOD))
+    size = np.abs(deviations[: len(deviations) // length * length]).reshape(-1, length).mean(axis=1)
+    return len(size) <= FEWEST_PERIODS or neighbours_alike(size) > _ALIKE
 
 
 def _deviations(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Floats:

@@ -138,6 +138,8 @@ _NUMBERS: Final = (
         "shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
         "pi / sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest over the next, over that of scale 1 "
         "(Gumbel's distribution; of heavy tails Fréchet's), and that of max - min where both grow together; "
+        "of independent samples with heavy tails the root mean square of that and of what the largest "
+        "twentieth of the samples says; "
         "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the "
         "ripple grows or falls over the whole record; "
         "and resolution / sqrt(6), in U a whole step",
@@ -147,7 +149,7 @@ _NUMBERS: Final = (
         "Nm",
         "sqrt(mean((x - mean(x))^2)), less the same as of the mean",
         "likewise of the periods' mean squares, over 2 rms; u(mean)^2 / (2 rms), by noise that moves the "
-        "mean in place of the rms",
+        "mean in place of the rms (none where u(mean) is not known)",
     ),
     (
         ("ripple_percentile_range",),

@@ -138,3 +138,16 @@ def test_extremes_on_a_drift_scatter_as_those_of_its_ends() -> None:
     stated = np.sqrt(np.mean([each.uncertainty.standard**2 for each in found if each.uncertainty]))
 
     assert 0.7 * scatter < stated < 1.8 * scatter
+
+
+def test_a_wander_that_leaves_the_mean_unknown_leaves_the_rms_unknown() -> None:
+    unknown = 0
+    for seed in range(8):
+        torque = record(60.0, seed)
+        walk = np.cumsum(np.random.default_rng(seed + 100).standard_normal(len(torque)))
+        found = measured(torque + 0.05 * walk / np.sqrt(len(walk)))
+        if found["torque_mean"].uncertainty is None:
+            unknown += 1
+            assert found["torque_ripple_rms"].uncertainty is None
+            assert "wanders" in found["torque_ripple_rms"].uncertainty_reason
+    assert unknown >= 2
