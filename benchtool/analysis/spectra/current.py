@@ -250,27 +250,24 @@ def _of_largest(
     and a converter alone up to `of_steps`."""
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     order = place / spectrum.periods
-    noise = line_noise(spectrum, np.array([place]))
     floor = noise_floor(spectrum, 0, _LOW_ORDER)
     alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
     alone2 += of_steps**2
     bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
+    of_many = Contribution("largest of many bins of noise, or of lines by a converter", "B", bias)
     nearest = min(max(round(order), 1), len(errors.phase)) - 1
+    source = "noise beside the line, that of the largest of many bins, and the resampling"
+    if place == (nearest + 1) * spectrum.periods:
+        return combined((*errors.budget(nearest), of_many), source)
+    noise = line_noise(spectrum, np.array([place]))
+    around = math.hypot(*(float(each[nearest]) for each in (errors.phase, errors.resolution, errors.fit)))
     lines = (
         Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
-        Contribution("largest of many bins of noise, or of lines by a converter", "B", bias),
+        of_many,
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
-        Contribution("wander of the phase, resolution, tones nearby", "B", _beside(errors, nearest)),
-        Contribution(
-            "wander of the amplitude", "A", 0.0 if place % spectrum.periods else errors.wander[nearest]
-        ),
+        Contribution("wander of the phase, resolution, tones nearby", "B", around),
     )
-    return combined(lines, "noise beside the line, that of the largest of many bins, and the resampling")
-
-
-def _beside(errors: LineErrors, index: int) -> float:
-    found = (errors.phase[index], errors.resolution[index], errors.fit[index])
-    return math.hypot(*(float(each) for each in found))
+    return combined(lines, source)
 
 
 def _noise(

@@ -178,7 +178,8 @@ def _turned(
 ) -> tuple[float, list[Contribution], str]:
     """Return the phase, rad, from the first to the last row, its budget, and in words what that is from."""
     smooth_rad = 2.0 * math.pi * track.periods
-    if by_tone and track.departure is not None:
+    if by_tone and (track.departure is not None or seen.excess_rad > 0.0):
+        # what is too little to be followed for the amplitudes, but no noise, is in the phase of both ends
         source = "what is left of the followed phase, and its continuation to both ends"
         turned_rad, standard = _to_both_ends(track, seen)
         return turned_rad, [Contribution(source, "A", standard, float(len(seen.phase_rad) - 1))], source
@@ -257,7 +258,8 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
         float(going_on.weights(by) @ phases[-going_on.size :])
         for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
     ]
-    square = 2.0 * (float(np.var(seen.phase_rad)) + within_rad**2)
+    left2 = float(np.var(seen.phase_rad)) if track.departure is not None else seen.noise_rad**2
+    square = 2.0 * (left2 + within_rad**2)
     square += going_on.error2(before) + going_on.error2(after)
     return ends_rad[1] - ends_rad[0], math.sqrt(square)
 

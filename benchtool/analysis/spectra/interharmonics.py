@@ -106,7 +106,8 @@ def between_harmonics(
 
 
 def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> Interharmonics | None:
-    """Return it without the pairs of tones to both sides of a harmonic that are an amplitude which swings."""
+    """Return it without the pairs of tones to both sides of a harmonic that are an amplitude or a phase which
+    swings."""
     places = np.array([*found.places, *(each.by_turns for each in found.moving)])
     phasors = np.array([*found.phasors, *(each.phasor for each in found.moving)])
     line = spectrum.periods * np.clip(np.round(places / spectrum.periods), 1, None).astype(np.int64)
@@ -114,10 +115,12 @@ def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> In
     # along the phase of its harmonic the lower one is the conjugate of the upper one
     turned = phasors * np.exp(-1j * np.angle(spectrum.phasor[np.minimum(line, len(spectrum.phasor) - 1)]))
     turned = np.where(apart < 0.0, np.conj(turned), turned)
+    # where they move the phase, as of a speed that swings, its opposite
+    unlike = np.minimum(np.abs(turned - turned[:, np.newaxis]), np.abs(turned + turned[:, np.newaxis]))
     swings = (
         (line == line[:, np.newaxis])
         & (np.abs(apart + apart[:, np.newaxis]) < _ALIKE_BINS)
-        & (np.abs(turned - turned[:, np.newaxis]) < _ALIKE * np.abs(turned))
+        & (unlike < _ALIKE * np.abs(turned))
     )
     kept = ~np.any(swings | swings.T, axis=0)
     steady, moving = kept[: len(found.places)], kept[len(found.places) :]

@@ -103,9 +103,11 @@ class Separation:
     def over_record(self, rate_Hz: float, channel: str) -> tuple[Wander, float]:
         """Return how the fundamental moves about the track to both ends of the record, and the standard
         uncertainty of that by lines beside it, rad."""
-        if self.taken is None or self.track.departure is None:
+        if self.taken is None or not (self.by_signal or self.track.departure is not None):
             return self.seen, self.close.turned_rad
         rest = wander(coherent_samples(self.rest, rate_Hz, self.track, channel, every=True))
+        if self.by_signal:
+            return rest, self.close.turned_rad
         return rest, math.hypot(self.close.turned_rad, left_at_ends_rad(rest))
 
     def beside(self, clean: CoherentSpectrum, groups: HarmonicGroups) -> Beside | None:

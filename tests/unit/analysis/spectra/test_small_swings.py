@@ -1,0 +1,46 @@
+"""Swings of a speed that are too small to be followed, and lines beside the largest harmonic."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import current_spectrum, track_angle, track_tone
+from benchtool.block import Block
+
+RATE_HZ = 10_000.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_swing_too_small_to_follow_is_in_the_frequency(seed: int) -> None:
+    """The phase at both ends counts, not that of the middle, which a window weights."""
+    random = np.random.default_rng(seed)
+    time_s = np.arange(20_000) / RATE_HZ
+    theta = 2 * np.pi * 23.1 * time_s + 2e-3 * np.sin(2 * np.pi * (1.23 * time_s + random.uniform()))
+    current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
+    true_Hz = float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1])
+    frequency = found["fundamental_frequency"]
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - true_Hz) < 3.0 * frequency.uncertainty.standard
+    assert 2 * np.pi * 2.0 * frequency.uncertainty.standard < 1e-3  # rad over the record
+
+
+def test_the_largest_low_component_has_the_budget_of_its_harmonic() -> None:
+    """A line a third of a bin beside the fifth leaves as much of both open."""
+    count = 20_000
+    theta = 2 * np.pi * 40.3 * np.arange(count) / count
+    current = np.cos(theta) + 0.03 * np.cos(5 * theta + 1.0) + 0.02 * np.cos(7 * theta)
+    current += 0.006 * np.cos(2 * np.pi * (5 * 40.3 + 0.3) * np.arange(count) / count + 2.0)
+    current += 1e-3 * np.random.default_rng(4).standard_normal(count)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = current_spectrum(block, "i_a", track_angle(theta / 4, 4))
+    largest = next(each for each in found.measurements if each.name == "current_max_low_harmonic")
+    row = found.tables[0].rows[4]
+    assert largest.uncertainty is not None
+    assert largest.value == pytest.approx(row[2])
+    assert largest.uncertainty.standard == pytest.approx(row[5], rel=0.05)
+    assert math.isfinite(row[5])
