@@ -13,6 +13,7 @@ from benchtool.tables.scaling import Scaling, scaling, speed_hint
 from benchtool.tables.units import PERCENT, is_reciprocal_second, unit_behind, unit_factor, units_of
 
 _SPEED = "rad/s"
+_JOINT = re.compile(r"[:=@]")  # between a name and its unit: t:ms, i=mA
 _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
 
 
@@ -134,8 +135,10 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
         return int(match[1]) - 1 if 1 <= int(match[1]) <= len(columns) else None
     names = [column.name for column in columns]
     bare = [column.bare_name for column in columns]
+    joined = [_JOINT.split(name)[0].strip() for name in bare]
     others = [(column.other_name, *column.aliases) for column in columns]
-    exact: list[list[tuple[str, ...]]] = [[(name,) for name in names], [(name,) for name in bare], others]
+    exact: list[list[tuple[str, ...]]] = [[(name,) for name in each] for each in (names, bare, joined)]
+    exact.append(others)
     ways = [(spelt, wanted) for spelt in exact]
     ways += [([tuple(map(str.lower, each)) for each in spelt], wanted.lower()) for spelt in exact]
     for spelt, name in ways:

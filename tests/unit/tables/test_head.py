@@ -178,3 +178,10 @@ def test_a_unit_of_no_column_keeps_si_from_being_assumed(tmp_path: Path, head: s
 def test_brackets_of_any_kind(tmp_path: Path, brackets: str) -> None:
     found = table(tmp_path, f"t,I {brackets[0]}mA{brackets[1]},x\n")
     assert found.select("I", "A").factor == 1e-3
+
+
+def test_a_column_is_found_by_what_stands_before_a_joined_unit(tmp_path: Path) -> None:
+    """Before any whose name differs in its capitals only: t is no torque."""
+    found = table(tmp_path, "T,i=mA,t:ms\n")
+    chosen = [found.select("t", "s"), found.select("i", "A"), found.select("T", "Nm")]
+    assert [(each.number, each.unit) for each in chosen] == [(3, "ms"), (2, "mA"), (1, "Nm")]
