@@ -149,8 +149,10 @@ def read_columns(question: TableQuestion) -> TableColumns:
 
 
 def _require_one_signal(table: TextTable) -> None:
-    """Raises:
-    AnalysisError: the rows have one signal after the other.
+    """Refuse rows that have one signal after the other.
+
+    Raises:
+        AnalysisError: a column says which signal each row has.
     """
     number = table.layout.signals
     if number:

@@ -140,7 +140,8 @@ def remarks(record: Record) -> Iterator[Remark]:
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _shortened(record):
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
-    if np.any(np.diff(record.data[:, 0]) < 0.0) and not np.all(np.diff(record.data[:, 0]) <= 0.0):
+    steps = np.diff(record.data[:, 0])
+    if np.any(steps < 0.0) and np.any(steps > 0.0):
         text = f"{record.base.refusal}; the numbers are of all rows together: measure each record by itself"
         yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
     if text := _repeated(record.data[:, 1:]):

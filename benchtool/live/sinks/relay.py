@@ -44,7 +44,7 @@ class Relay:
 
     def close(self) -> None:
         """Cut every connection and take no more; a second call does nothing."""
-        self._set(self._cut)
+        self.cut()
         self._set(self._over)
         self._thread.join()
 
