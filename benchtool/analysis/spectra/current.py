@@ -219,7 +219,10 @@ def _lines(
         sensitivities=Sensitivities.of_line(channel, clean.fundamental),
     )
 
-    largest = largest_low_component(spectrum, _LOW_ORDER)
+    # a line beside a harmonic, or an amplitude that wanders, is in the harmonic's bin and not in the harmonic
+    read = spectrum.amplitude.copy()
+    read[::periods] = clean.amplitude[::periods]
+    largest = largest_low_component(replace(spectrum, amplitude=read), _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
     text = (
         f"largest peak amplitude below {limit_Hz:.6g} Hz other than dc and the fundamental, here at "
@@ -227,9 +230,7 @@ def _lines(
     )
     low = replace(basis, bandwidth_Hz=limit_Hz, frequency_Hz=largest.frequency_Hz)
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
-    if place % periods == 0:
-        spectrum, largest = clean, replace(largest, amplitude=float(clean.amplitude[place]))
-    uncertain = _of_largest(spectrum, largest, errors, of_steps)
+    uncertain = _of_largest(clean if place % periods == 0 else spectrum, largest, errors, of_steps)
     why = "" if uncertain is not None else f"the noise around {largest.frequency_Hz:.4g} Hz is not known"
     yield Measurement(
         "current_max_low_harmonic",

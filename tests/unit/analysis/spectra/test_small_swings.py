@@ -44,3 +44,18 @@ def test_the_largest_low_component_has_the_budget_of_its_harmonic() -> None:
     assert largest.value == pytest.approx(row[2])
     assert largest.uncertainty.standard == pytest.approx(row[5], rel=0.05)
     assert math.isfinite(row[5])
+
+
+def test_a_line_beside_a_harmonic_does_not_make_it_the_largest() -> None:
+    """In the bin of the fifth are a third of a bin's line and the fifth, more than the seventh."""
+    count = 20_000
+    turns = 40.3 * np.arange(count) / count
+    theta = 2 * np.pi * turns
+    current = np.cos(theta) + 0.027 * np.cos(5 * theta + 1.0) + 0.0285 * np.cos(7 * theta)
+    current += 0.006 * np.cos(2 * np.pi * (5 + 0.3 / 40.3) * turns + 1.0)
+    current += 1e-3 * np.random.default_rng(4).standard_normal(count)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = current_spectrum(block, "i_a", track_angle(theta / 4, 4))
+    largest = next(each for each in found.measurements if each.name == "current_max_low_harmonic")
+    assert found.spectrum.amplitude[5 * found.spectrum.periods] > 0.03
+    assert largest.value == pytest.approx(0.0285, rel=1e-3)
