@@ -19,7 +19,7 @@ from benchtool.analysis.quantisation.resolution import level_of
 PER_PERIOD, PERIODS, STEP = 461.3, 33, 0.04
 
 
-def differs(error: NDArray[np.floating[Any]], theta: NDArray[np.float64]) -> float:
+def differs(error: NDArray[np.floating[Any]], theta: NDArray[np.floating[Any]]) -> float:
     """Return the mean square of what of an error at phases, both of shape (n,), is in none of the harmonics
     below half of the sample rate, of which there are two samples a cycle."""
     highest = int(np.pi / np.mean(np.diff(theta)))
@@ -143,27 +143,20 @@ def test_a_waveform_of_periods_that_begin_early_and_late_keeps_its_size() -> Non
     assert np.max(np.abs(found.waveform - np.mean(found.waveform))) == pytest.approx(0.1, rel=0.01)
 
 
-def test_the_noise_is_what_differs_without_the_errors_that_fold_to_between_the_harmonics() -> None:
+def test_the_noise_is_without_the_errors_that_fold_to_between_the_harmonics() -> None:
     """Of 307 samples a period few of the errors' harmonics are below half of the rate, of 40 000 all are."""
-    noise, amplitude = 0.2 * STEP, 100.0 * STEP
+    noise = 0.2
     theta = 2.0 * np.pi * np.arange(4096) / 4096
-    errors = -sum(
-        (-1.0) ** k
-        / (np.pi * k)
-        * np.exp(-2.0 * (np.pi * k * 0.2) ** 2)
-        * np.sin(2.0 * np.pi * k * 100.0 * np.cos(theta))
-        for k in range(1, 5)
-    )
-    repeated2 = float(np.mean((STEP * errors) ** 2))
-    phasors = np.array([amplitude + 0j])
-    own2 = STEP**2 / 12.0
-    few = repeated_steps(0.0, phasors, STEP, noise**2 + own2, 307.3 * 20, 20, level=0.0)
-    all_of_them = repeated_steps(
-        0.0, phasors, STEP, noise**2 + own2 - repeated2, 40_000.3 * 20, 20, level=0.0
-    )
-    for each in (few, all_of_them):
-        assert each is not None
-        assert float(np.mean(each.errors**2)) == pytest.approx(repeated2, rel=0.25)
+    term = np.arange(1, 5)[:, np.newaxis]
+    size = (-1.0) ** term / (np.pi * term) * np.exp(-2.0 * (np.pi * term * noise) ** 2)
+    repeated2 = float(np.mean(np.sum(size * np.sin(2.0 * np.pi * term * 100.0 * np.cos(theta)), axis=0) ** 2))
+    for samples, left2 in ((307.3, 0.0), (40_000.3, repeated2)):
+        phasors = np.zeros(int(0.5 * samples), dtype=np.complex128)
+        phasors[0] = 100.0
+        beside = noise**2 + 1.0 / 12.0 - left2
+        found = repeated_steps(0.0, phasors, 1.0, beside, 20 * samples, 20, level=0.0)
+        assert found is not None
+        assert float(np.mean(found.errors**2)) == pytest.approx(repeated2, rel=0.25)
 
 
 def test_errors_of_high_orders_do_not_fold_to_low_ones() -> None:
