@@ -304,7 +304,7 @@ def _needed(kept: Complex, step: float) -> int:
 
 
 def _noise(beside2: float, waveform: Floats, orders: int, apart: float) -> float:
-    """Return the rms of the noise, by the mean square of what is beside the first harmonics of a `waveform`,
+    """Return the rms of the noise, by the mean square beside the first harmonics of a `waveform`,
     shape (points,), all in steps: beside these is a twelfth, less what the mean error over the noise has in
     them; what it has above half of the sample rate folds to between them, and so does of higher orders what
     differs among samples that far `apart`, in periods, that were averaged.
