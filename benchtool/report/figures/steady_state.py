@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchtool.analysis import Panel, largest_low_component
+from benchtool.analysis import Panel, SteadyState, largest_low_component
 from benchtool.report.figures.envelope import envelope
 from benchtool.report.figures.files import lay_out
 from benchtool.report.figures.labels import channel_label
@@ -28,7 +29,7 @@ from benchtool.report.figures.style import (
 )
 from benchtool.report.figures.waveforms import last_periods
 
-_LOW_ORDER = 10
+_LOW_ORDER, _LARGEST = 10, "current_max_low_harmonic"
 _FLUX_IN = 3.3
 _PASSES = 5
 _FLOOR = 1e-5  # of the fundamental: where the logarithmic axis of a spectrum begins
@@ -40,7 +41,7 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     steady = panel.steady
     assert steady is not None  # one of its analyses was made
     spectrum, f_1 = steady.current_spectrum, steady.fundamental_Hz
-    fundamental_A = spectrum.fundamental  # also where the measurement is undefined
+    fundamental_A = _defined(steady, "current_fundamental", spectrum.fundamental)
     floor_A = _FLOOR * fundamental_A
     frequency_Hz, amplitude_A = spectrum.frequency_Hz[1:], np.maximum(spectrum.amplitude[1:], floor_A)
     summary = f"fundamental {fundamental_A:.4g} A peak at {f_1:.5g} Hz, {steady.periods} periods"
@@ -55,9 +56,12 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     low.set_xlim(0.0, _LOW_ORDER * f_1)
     annotate_point(low, f"fundamental {fundamental_A:.4g} A", f_1, fundamental_A, BLACK)
     largest = largest_low_component(spectrum, _LOW_ORDER)
-    text = f"largest other {largest.amplitude:.3g} A at {largest.frequency_Hz:.4g} Hz"
-    annotate_point(low, text, largest.frequency_Hz, max(largest.amplitude, floor_A), ORANGE)
-    _, greatest = panel.limits.get("current_max_low_harmonic", (None, None))
+    largest_A, largest_Hz = largest.amplitude, largest.frequency_Hz
+    if math.isfinite(of_harmonics := _defined(steady, _LARGEST, math.nan)):
+        largest_A, largest_Hz = of_harmonics, steady[_LARGEST].basis.frequency_Hz or largest_Hz
+    text = f"largest other {largest_A:.3g} A at {largest_Hz:.4g} Hz"
+    annotate_point(low, text, largest_Hz, max(largest_A, floor_A), ORANGE)
+    _, greatest = panel.limits.get(_LARGEST, (None, None))
     if greatest is not None:
         draw_limits(low, [(greatest, "limit of the largest other component")])
         add_legend(low)
@@ -70,6 +74,12 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     full.set_xlim(0.0, float(frequency_Hz[-1]))
     dress(full, "frequency $f$ (Hz)", "$i_a$, peak (A)")
     return figure
+
+
+def _defined(steady: SteadyState, name: str, otherwise: float) -> float:
+    """Return the value of a measurement; `otherwise` where it was not made, or is undefined."""
+    value = steady[name].value if name in steady.names else math.nan
+    return value if math.isfinite(value) else otherwise
 
 
 def draw_flux_trajectory(panel: Panel, title: str) -> Figure:

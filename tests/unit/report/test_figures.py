@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.catalogue import CORE
 from benchtool.analysis.declaration import Panel
 from benchtool.analysis.flux.trajectory import FLUX_TRAJECTORY
+from benchtool.analysis.spectra.spectrum import largest_low_component
 from benchtool.analysis.steady_state import steady_state_of
 from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel, Gap
@@ -155,6 +156,22 @@ def test_the_spectrum_marks_fundamental_and_largest_other_component() -> None:
     assert "fundamental 1 A" in shown
     assert "largest other 0.02" in shown
     assert "at 188 Hz" in shown
+
+
+def test_the_spectrum_states_what_was_measured_of_its_lines() -> None:
+    """A line beside the fifth is in its bin, and not in the harmonic."""
+    block = capture()
+    data, turns = np.array(block.data), 6.0 * np.arange(SAMPLES) / SAMPLES
+    cosine = [np.cos(2 * np.pi * order * turns + 0.3) for order in (1.0, 5.0, 7.0, 5.0 + 0.3 / 6.0)]
+    data[:, block.names.index("i_a")] = np.array([1.0, 0.03, 0.035, 0.02]) @ np.array(cosine)
+    shown = panel(replace(block, data=data))
+    assert shown.steady is not None
+    largest = shown.steady["current_max_low_harmonic"]
+
+    stated = texts(draw_of_case(shown, "a run")["current_spectrum"])
+
+    assert largest_low_component(shown.steady.current_spectrum).amplitude > 0.04
+    assert f"largest other {largest.value:.3g} A at {largest.basis.frequency_Hz:.4g} Hz" in stated
 
 
 def test_the_spectrum_has_the_limit_of_the_largest_other_component() -> None:
