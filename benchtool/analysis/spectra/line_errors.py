@@ -153,7 +153,7 @@ def line_errors(
         phase=phase,
         resolution=resolution[:orders],
         steps2=steps2[:orders],
-        wander=_wander(spectrum, amplitude, in_phase, amplitudes, phases_rad)
+        wander=_wander(spectrum, amplitude, in_phase, amplitudes, phases_rad, steps)
         if with_trend is None
         else with_trend[1] * amplitude,
         fit=np.zeros(orders) if of_fit is None else of_fit * in_phase,
@@ -169,14 +169,31 @@ def _wander(
     noise: NDArray[np.float64],
     amplitudes: NDArray[np.float64] | None,
     phases_rad: NDArray[np.float64] | None,
+    steps: RepeatedSteps | None,
 ) -> NDArray[np.float64]:
-    """Return what a slow wander of the fundamental's amplitude makes of each line that is modulated alike."""
+    """Return what a slow wander of the fundamental's amplitude makes of each line that is modulated alike.
+
+    Of the amplitudes' variance, what the errors of `steps` make is no wander: it is in the resolution.
+    """
     none = np.zeros(len(amplitude))
     if amplitudes is None or not len(amplitude) or not amplitude[0] > 0.0:
         return none
     of_first = wander_of_mean(amplitudes, float(noise[0]), phases_rad)
     if of_first == 0.0 or math.isnan(of_first):
         return none + of_first
+    if steps is not None:
+        by_steps2 = _folded_into_periods(steps, spectrum.samples / spectrum.periods)
+        of_first *= math.sqrt(max(0.0, 1.0 - by_steps2 / float(np.var(amplitudes, ddof=1))))
     alike = is_modulated_alike(spectrum, np.eye(len(amplitude)))
     alike[0] = True
     return np.where(alike, of_first / amplitude[0] * amplitude, 0.0)
+
+
+def _folded_into_periods(steps: RepeatedSteps, per_period: float) -> float:
+    """Return the variance of the amplitudes of periods of so many samples, by errors of orders above half of
+    them: these fold to any phase of a period, and slowly to another one from period to period."""
+    repeats = np.arange(1, int(0.5 * per_period) + 1)
+    power = (
+        float(np.mean(steps.errors**2)) - steps.of_mean() ** 2 - 0.5 * float(np.sum(steps.power_at(repeats)))
+    )
+    return 2.0 / per_period * max(0.0, power)
