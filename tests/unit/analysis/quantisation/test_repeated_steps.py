@@ -176,3 +176,31 @@ def test_errors_of_high_orders_do_not_fold_to_low_ones() -> None:
         relative.append(2.0 * np.mean(error * towards).real / stated.of_lines(phasors)[0][11])
         assert stated.of_lines(phasors)[1][0] == 0.0  # the waveform repeats twelve times
     assert 0.75 < np.sqrt(np.mean(np.square(relative))) < 1.4
+
+
+def test_samples_averaged_a_little_apart_repeat_less() -> None:
+    """Of errors up to order 628 half a row of 307 leaves next to nothing alike: all are beside the mean."""
+    phasors = np.zeros(20_000, dtype=np.complex128)
+    phasors[0] = 100.0
+    beside = 0.2**2 + 1.0 / 12.0
+
+    def power(apart: float) -> float:
+        found = repeated_steps(0.0, phasors, 1.0, beside, 20 * 40_000.3, 20, level=0.0, apart=apart)
+        assert found is not None
+        return float(np.mean(found.errors**2))
+
+    of_noise_alone = np.exp(-4.0 * (np.pi * 0.2) ** 2) / (2.0 * np.pi**2)
+    assert power(1.0 / 307.0) == pytest.approx(of_noise_alone, rel=0.2)
+    assert power(0.0) < 0.8 * of_noise_alone
+
+
+def test_the_largest_of_lines_is_a_quantile_over_the_ensemble() -> None:
+    phasors = np.zeros(50, dtype=np.complex128)
+    phasors[0] = 30.0
+    found = repeated_steps(0.0, phasors, 1.0, 0.0, 200.3 * 20, 20)
+    assert found is not None
+    orders = np.arange(2, 10)
+    assert found.largest_at(orders[:0], 0.95) == 0.0
+    each = [float(np.max(np.abs(np.fft.fft(errors)[orders])) * 2.0 / len(errors)) for errors in found.errors]
+    assert found.largest_at(orders, 0.95) == pytest.approx(np.quantile(each, 0.95))
+    assert found.highest_order == (found.errors.shape[1] - 1) // 2
