@@ -180,7 +180,9 @@ def _turned(
     smooth_rad = 2.0 * math.pi * track.periods
     if by_tone and (track.departure is not None or seen.excess_rad > 0.0):
         # what is too little to be followed for the amplitudes, but no noise, is in the phase of both ends
-        source = "what is left of the followed phase, and its continuation to both ends"
+        is_followed = track.departure is not None
+        what = "what is left of the followed phase" if is_followed else "noise of the phases of periods"
+        source = f"{what}, and its continuation to both ends"
         turned_rad, standard = _to_both_ends(track, seen)
         return turned_rad, [Contribution(source, "A", standard, float(len(seen.phase_rad) - 1))], source
     if by_tone:
