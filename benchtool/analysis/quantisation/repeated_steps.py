@@ -29,9 +29,6 @@ _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
-_MOST_NOISE = math.sqrt(math.log(1.0 / (math.pi * _NEGLIGIBLE)) / 2.0) / math.pi  # steps, for one term
-_NOISES = 400
-_REPEATED_TERMS = 4  # of the error, in what of it repeats: the others have a tenth of its power
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
 _OF_PLACES = 2  # times as many where some of them count more than others
@@ -156,7 +153,6 @@ def repeated_steps(
     periods: int,
     turns: Floats | None = None,
     level: float | None = None,
-    apart: float = 0.0,
 ) -> RepeatedSteps | None:
     """Return the errors of a quantised signal that are the same in every period; None where noise hides them.
 
@@ -167,16 +163,16 @@ def repeated_steps(
     Args:
         mean, phasors: of the signal as measured.
         step: of the converter.
-        beside: mean square of all besides these harmonics, the steps' own part among it.
+        beside: mean square of all that differs from period to period, the steps' own part among it.
         samples: in all periods; where a whole number of them is in one or a few periods, they fall on the
             same few places of the waveform again and again.
         periods: of the record.
         turns: where the samples are, in periods from the phase of the phasors on, shape (n,), if it is known:
             those of a speed that swings are at some places more often than at others.
         level: a value that the converter gives, where it is known; without it levels may be anywhere.
-        apart: how far samples that were averaged to a place of the period are from it, rms, in periods.
     """
-    if noise_beside(beside, step) > _MOST_NOISE * step:
+    table = _error_of_a_step(noise_beside(beside, step) / step)
+    if table is None:
         return None
     kept = _without_the_weakest(phasors, step)
     if level is not None and _spanned(kept, step) < _FEW:
@@ -184,27 +180,24 @@ def repeated_steps(
         found = few_steps(mean, phasors, step, level, max(0.0, beside), samples, points)
         read = np.mean(found.read, axis=0)
         return _OfFewSteps(read, found.read - found.signals, 1, found)
-    # of orders 12 and 24 alone a waveform has a period of a twelfth, as have its errors
-    every = math.gcd(*map(int, np.flatnonzero(kept) + 1)) or 1
-    kept, periods = kept[every - 1 :: every], every * periods
-    turns = None if turns is None else every * turns
-    needed = _needed(kept, step) * (1 if turns is None else _OF_PLACES)
+    needed = _needed(kept, step)
     points = _distinct(samples, periods, needed)
     if turns is not None and points < needed and _stay(turns, points):
         turns = None
-    if turns is not None:
-        points = min(needed, _MOST_POINTS)
+    every = 1
+    if points == needed or turns is not None:
+        # of orders 12 and 24 alone a waveform has a period of a twelfth, and so have its errors
+        every = math.gcd(*map(int, np.flatnonzero(kept) + 1)) or 1
+        kept = kept[every - 1 :: every]
+        points = min(_MOST_POINTS, _needed(kept, step) * (1 if turns is None else _OF_PLACES))
     waveform = mean + _waveforms(kept[np.newaxis], points)
-    table = _error_of_a_step(_noise(beside / step**2, waveform[0] / step, len(kept), every * apart))
-    if table is None:
-        return None
     if level is None:
         waveforms, levels = waveform, step * np.arange(_LEVELS)[:, np.newaxis] / _LEVELS
     else:
         waveforms, levels = mean + _waveforms(_like(kept, step), points), np.array([level])
     errors = _looked_up(table, waveforms - levels, step)
     if turns is not None:
-        place = np.floor(np.mod(turns, 1.0) * points).astype(np.int64) % points
+        place = np.floor(np.mod(every * turns, 1.0) * points).astype(np.int64) % points
         errors *= np.bincount(place, minlength=points) * (points / len(turns))
     return RepeatedSteps(waveform[0], errors, every)
 
@@ -237,15 +230,13 @@ def steps_of_periods(
 @dataclass(frozen=True)
 class _Repeated:
     """The mean of `periods` of a signal, its harmonics 1, 2 ..., peak `phasors` of shape (n,), and the mean
-    square of the noise that is left, of so many `samples`; of periods that do not begin at a row those at a
-    place are so far `apart`, rms, in periods."""
+    square of the noise that is left, of so many `samples`."""
 
     mean: float
     phasors: NDArray[np.complex128]
     noise2: float
     samples: float
     periods: int
-    apart: float
 
     @staticmethod
     def of(samples: Floats, begins: NDArray[np.int64]) -> _Repeated:
@@ -266,16 +257,13 @@ class _Repeated:
         noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
         if left > _NOT_FOLLOWED * noise2:
             phasors *= _smeared(table, phasors)
-        apart = math.sqrt(within2) / points
-        return _Repeated(
-            float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods, apart
-        )
+        return _Repeated(float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods)
 
     def errors(
         self, step: float, level: float | None = None, turns: Floats | None = None
     ) -> RepeatedSteps | None:
         return repeated_steps(
-            self.mean, self.phasors, step, self.noise2, self.samples, self.periods, turns, level, self.apart
+            self.mean, self.phasors, step, self.noise2, self.samples, self.periods, turns, level
         )
 
 
@@ -300,33 +288,17 @@ def _needed(kept: Complex, step: float) -> int:
     """Return at how many places of a waveform its errors are to be looked up."""
     slope = 2.0 * np.pi / step * np.arange(1, len(kept) + 1) * np.abs(kept)  # of each, steps per period
     of_slope = math.ceil(_POINTS_PER_STEP * math.sqrt(0.5 * float(np.sum(slope**2))))
-    return max(_FEWEST_POINTS, 4 * len(kept), of_slope)
-
-
-def _noise(beside2: float, waveform: Floats, orders: int, apart: float) -> float:
-    """Return the rms of the noise, by the mean square beside the first harmonics of a `waveform`,
-    shape (points,), all in steps: beside these is a twelfth, less what the mean error over the noise has in
-    them; what it has above half of the sample rate folds to between them, and so does of higher orders what
-    differs among samples that far `apart`, in periods, that were averaged.
-    """
-    term = np.arange(1, _REPEATED_TERMS + 1)
-    lines = fft.fft(np.exp(2j * np.pi * term[:, np.newaxis] * waveform), axis=1) / waveform.shape[-1]
-    order = np.abs(fft.fftfreq(waveform.shape[-1], 1.0 / waveform.shape[-1]))
-    alike = np.exp(-((2.0 * np.pi * apart * order) ** 2)) * (order <= orders)
-    share = np.abs(lines) ** 2 @ alike
-
-    noise = np.linspace(0.0, 1.1 * _MOST_NOISE, _NOISES)
-    left = np.exp(-4.0 * (np.pi * np.outer(noise, term)) ** 2) / (np.pi * term) ** 2 / 2.0
-    return float(np.interp(beside2, noise**2 + 1.0 / 12.0 - left @ share, noise))
+    return min(_MOST_POINTS, max(_FEWEST_POINTS, 4 * len(kept), of_slope))
 
 
 def _error_of_a_step(noise: float) -> Floats | None:
     """Return the mean error, in steps, over one step of the waveform, under noise of that many steps rms;
     None where it is negligible."""
-    if noise > _MOST_NOISE:
+    most = math.sqrt(math.log(1.0 / (math.pi * _NEGLIGIBLE)) / 2.0) / math.pi  # steps of noise for one term
+    if noise > most:
         return None
     place = (np.arange(_CELLS) + 0.5) / _CELLS
-    terms = np.arange(1, math.ceil(2.0 * _MOST_NOISE / noise) + 1 if noise > _MOST_NOISE / _CELLS else 1)
+    terms = np.arange(1, math.ceil(2.0 * most / noise) + 1 if noise > most / _CELLS else 1)
     if not len(terms):
         return np.asarray(np.round(place) - place)
     size = (-1.0) ** terms / (math.pi * terms) * np.exp(-2.0 * (math.pi * noise * terms) ** 2)
@@ -401,4 +373,4 @@ def _distinct(samples: float, periods: int, needed: int) -> int:
             break
         if abs(together * per_period - whole) * periods < _WHOLE * apart * together:
             return whole
-    return min(needed, _MOST_POINTS)
+    return needed
