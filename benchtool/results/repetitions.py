@@ -14,6 +14,8 @@ from benchtool.plan import NAMES as REACHED, Case, Limit, Missed, Plan, Verdict,
 from benchtool.results.agreement import Disagreement, disagreements, transducer_name
 from benchtool.telemetry import certificate_units
 
+_ROUNDING = 1e-13  # relative: of a mean of equal numbers
+
 
 @dataclass(frozen=True)
 class Repeated:
@@ -22,10 +24,10 @@ class Repeated:
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
     share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
-    the power of their noise adds to each. `limit` is the
-    one that holds for them together and `judged` the value it applies to: by `judge` of the plan the mean, or
-    the worst repetition; None where the plan judges each, or where nothing was measured. `disagreement` is
-    set where a transducer contradicts the judged value.
+    the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
+    `limit` is the one that holds for them together and `judged` the value it applies to: by `judge` of the
+    plan the mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
+    `disagreement` is set where a transducer contradicts the judged value.
     """
 
     name: str
@@ -37,17 +39,29 @@ class Repeated:
     judged: Measurement | None = None
     instruments: tuple[Contribution, ...] = ()
     power: tuple[Contribution, ...] = ()
+    unshown: tuple[Contribution, ...] = ()
     judge: Literal["each", "mean", "worst"] = "each"
     disagreement: Disagreement | None = None
 
     @property
     def uncertainty(self) -> Uncertainty | None:
-        """Of the mean; None of fewer than two repetitions."""
-        if self.n < 2:
+        """Of the mean; None where `uncertainty_reason` says why."""
+        if self.n < 2 or self.uncertainty_reason:
             return None
         source = f"scatter over {self.n} repetitions"
         scatter = Uncertainty(self.standard_uncertainty, source, self.n - 1.0)
-        return scatter.with_power(self.power).with_instruments(self.instruments)
+        return scatter.with_power(self.power).with_instruments((*self.unshown, *self.instruments))
+
+    @property
+    def uncertainty_reason(self) -> str:
+        """Why a mean of two repetitions and more has no uncertainty; empty where it has one."""
+        errors = (*self.power, *self.unshown, *self.instruments)
+        unknown = [line.name for line in errors if not math.isfinite(line.standard)]
+        if unknown:
+            return f"not known of its sensors: {'; '.join(unknown)}"
+        if self.n > 1 and not errors and self.standard_uncertainty <= _ROUNDING * abs(self.mean):
+            return f"{self.n} repetitions read the same, so that no scatter tells"
+        return ""
 
     @property
     def combined(self) -> float:
@@ -92,6 +106,8 @@ class Repeated:
         }
         if self.uncertainty is not None:
             document["uncertainty"] = self.uncertainty.to_json()
+        elif self.uncertainty_reason:
+            document["uncertainty_reason"] = self.uncertainty_reason
         if self.limit is not None:
             document["limit"] = self.limit.to_json(self.judged)
         if self.disagreement is not None:
@@ -161,18 +177,48 @@ def _together(
             yield together
 
 
+def _lines(each: Measurement) -> tuple[Contribution, ...]:
+    """Return what is known of the errors of one repetition, of its sensors where its data tell nothing."""
+    return each.of_sensors if each.uncertainty is None else each.uncertainty.lines
+
+
 def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
     """Yield errors of instruments, each of which moves the mean as it moves the repetitions on average."""
     lines: dict[InstrumentError, list[Contribution]] = {}
     count = sum(math.isfinite(each.value) for each in found)
     for each in found:
-        if each.uncertainty is not None and math.isfinite(each.value):
-            for line in each.uncertainty.budget:
+        if math.isfinite(each.value):
+            for line in _lines(each):
                 if line.instrument is not None:
                     lines.setdefault(line.instrument, []).append(line)
     for same in lines.values():
         mean = sum(line.sign * line.standard for line in same) / count
         yield replace(same[0], standard=abs(mean), sign=-1 if mean < 0.0 else 1)
+
+
+def _unshown(found: Sequence[Measurement], spread: float) -> Iterator[Contribution]:
+    """Yield the lines of type B of a repetition, less what the scatter shows of them.
+
+    Repetitions that have an error in common do not scatter by it: readings that end on one step agree, and
+    each is off by it. Of the variance that these lines state the scatter shows as much as the standard
+    deviation `spread` has beyond that of type A; the rest all repetitions share (JCGM 100:2008, 4.3.10 and
+    F.2.2.1).
+    """
+    known = [_lines(each) for each in found if math.isfinite(each.value)]
+    own = [line for lines in known for line in lines if line.instrument is None and not line.adds_power]
+    by_data = sum(line.experimental**2 for line in own if line.evaluation == "A") / max(1, len(known))
+    names = dict.fromkeys(line.name for line in own if line.evaluation == "B")
+    means = {
+        name: math.sqrt(
+            sum(line.standard**2 for line in own if line.evaluation == "B" and line.name == name) / len(known)
+        )
+        for name in names
+    }
+    stated = math.hypot(*means.values())
+    left = stated**2 - max(0.0, spread**2 - by_data)
+    if not left <= 0.0:  # nan of what is not known
+        for name, standard in means.items():
+            yield Contribution(name, "B", standard * math.sqrt(left) / stated)
 
 
 def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
@@ -201,6 +247,7 @@ def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mea
             definition,
             uncertainty=together.uncertainty,
             correction=_mean_correction(found),
+            uncertainty_reason=together.uncertainty_reason,
         )
         return replace(judged, in_common_band=_mean_in_band(found, judged))
     order = list(Verdict)
@@ -237,9 +284,17 @@ def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
     """Return mean and standard deviation of the mean of repetitions."""
     values = [each.value for each in found if math.isfinite(each.value)]
     mean = float(np.mean(values)) if values else math.nan
-    spread = float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else math.nan
-    shared, power = tuple(_shared(found)), tuple(_power(found))
-    return Repeated(name, unit, mean, spread, len(values), instruments=shared, power=power)
+    spread = float(np.std(values, ddof=1)) if len(values) > 1 else math.nan
+    return Repeated(
+        name,
+        unit,
+        mean,
+        spread / math.sqrt(len(values)) if values else math.nan,
+        len(values),
+        instruments=tuple(_shared(found)),
+        power=tuple(_power(found)),
+        unshown=tuple(_unshown(found, spread)),
+    )
 
 
 def _finite(value: float) -> float | None:

@@ -270,6 +270,8 @@ class RepeatedDocument(Document):
     """Unit of the mean."""
     uncertainty: Uncertainty | None = None
     """Its uncertainty."""
+    uncertainty_reason: str | None = None
+    """Why a mean of several has none."""
     limit: LimitDocument | None = None
     """The limit that holds for all repetitions together."""
     disagreement: DisagreementDocument | None = None

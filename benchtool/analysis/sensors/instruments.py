@@ -110,7 +110,7 @@ class Instruments:
         """Return the measurements with the errors of their sensors in uncertainty and basis.
 
         A measurement without an uncertainty stays without one, since the sensors are only part of it; the
-        basis states that of the sensors alone.
+        basis states that of the sensors alone, and `of_sensors` has it for the mean of repetitions.
         """
         moved = {} if again is None else self._moved(measurements, again)
         return tuple(self._applied(each, moved.get(each.name, Moved())) for each in measurements)
@@ -139,10 +139,12 @@ class Instruments:
             remarks += [*unknown, _of_sensors_alone(lines, each.unit)]
         basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
         each = replace(each, basis=basis)
-        if each.uncertainty is None:
-            return each
         if not all(math.isfinite(line.standard) for line in lines):
-            return without_uncertainty(each, "it is not found again with another error of its sensors")
+            each = without_uncertainty(each, "it is not found again with another error of its sensors")
+        if each.uncertainty is None:
+            taken = [effect.of for effect in known] if not by_lags else []
+            lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *taken)]
+            return replace(each, of_sensors=tuple(lines))
         return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
 
     def _of_noise(self, channels: Sequence[Sensitivity], each: Measurement) -> str:

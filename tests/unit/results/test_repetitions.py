@@ -237,3 +237,58 @@ def test_an_error_that_lowers_every_repetition_lowers_their_mean() -> None:
     (line,) = found.instruments
     assert line.standard == pytest.approx(0.2)
     assert line.sign == -1
+
+
+@pytest.mark.parametrize(
+    ("values", "left"),
+    [
+        ((1.0, 1.0, 1.0), 0.5),  # on one step, which all of them are off by
+        ((0.7, 1.0, 1.3), math.sqrt(0.5**2 - 0.3**2 + 0.1**2)),
+        ((0.0, 1.0, 2.0), 0.0),  # the scatter shows all of it
+    ],
+)
+def test_what_the_scatter_does_not_show_of_type_b_is_in_the_mean(
+    values: tuple[float, ...], left: float
+) -> None:
+    """Readings that agree by their resolution had U = 0, and passed a guarded limit at once."""
+    budget = (
+        Contribution("noise", "A", 0.1),
+        Contribution("resolution", "B", 0.3),
+        Contribution("tones nearby", "B", 0.4),
+    )
+    each = Uncertainty(math.sqrt(0.26), "test", budget=budget)
+    measured = {
+        case.name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=each),)
+        for case, value in zip(cases(_plan(3))[:3], values, strict=True)
+    }
+    (found,), *_ = over_repetitions(_plan(3), measured).values()
+    assert math.hypot(*(line.standard for line in found.unshown)) == pytest.approx(left)
+    scatter = float(np.std(values, ddof=1)) / math.sqrt(3.0)
+    assert found.combined == pytest.approx(math.hypot(scatter, left))
+
+
+def _three(**each: object) -> Repeated:
+    measured = {
+        case.name: (Measurement("torque_mean", 1.0, "Nm", "mean", **each),)  # type: ignore[arg-type]
+        for case in cases(_plan(3))[:3]
+    }
+    (found,), *_ = over_repetitions(_plan(3), measured).values()
+    return found
+
+
+def test_equal_numbers_alone_tell_no_uncertainty() -> None:
+    """They had U = 0 and a probability of conformance of 1."""
+    found = _three()
+    assert found.uncertainty is None
+    assert math.isnan(found.combined)
+    assert found.to_json()["uncertainty_reason"] == "3 repetitions read the same, so that no scatter tells"
+    assert _three(uncertainty=Uncertainty(0.1, "test")).uncertainty_reason != ""
+
+
+def test_the_mean_has_the_sensors_of_repetitions_without_an_uncertainty_from_their_data() -> None:
+    gain = Contribution("gain", "B", 0.2, instrument=InstrumentError("gain", "torque"))
+    steps = Contribution("resolution", "B", 0.1)
+    assert _three(of_sensors=(gain, steps)).combined == pytest.approx(math.hypot(0.2, 0.1))
+    unknown = _three(of_sensors=(gain, Contribution("bandwidth of 100 Hz", "B", math.nan)))
+    assert unknown.uncertainty is None
+    assert unknown.uncertainty_reason == "not known of its sensors: bandwidth of 100 Hz"
