@@ -216,7 +216,7 @@ def _unshown(found: Sequence[Measurement], spread: float) -> Iterator[Contributi
     }
     stated = math.hypot(*means.values())
     left = stated**2 - max(0.0, spread**2 - by_data)
-    if not left <= 0.0:  # nan of what is not known
+    if not left <= 0.0:  # nan where it is not known
         for name, standard in means.items():
             yield Contribution(name, "B", standard * math.sqrt(left) / stated)
 
