@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from benchtool.analysis import Measurement, catalogue, undefined, with_expanded
+from benchtool.analysis import Measurement, catalogue, placed, undefined, with_expanded
 from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
 from benchtool.plan import Limit
@@ -142,7 +142,13 @@ def show_repeated(
     for case, together in repeated.items():
         limited = any(each.limit is not None for each in together)
         rows: list[tuple[str | Text, ...]] = [
-            (each.name, significant(each.mean), significant(each.combined, 2), str(each.n), each.unit)
+            (
+                each.name,
+                placed(each.mean, each.combined),
+                significant(each.combined, 2),
+                str(each.n),
+                each.unit,
+            )
             + ((_together(each),) if limited else ())
             for each in together
             if not names or each.name in names

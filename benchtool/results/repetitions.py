@@ -25,6 +25,7 @@ class Repeated:
     freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
     share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
     the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
+    Of equal numbers, which no scatter tells of, it is that of a `single` one.
     `limit` is the one that holds for them together and `judged` the value it applies to: by `judge` of the
     plan the mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
     `disagreement` is set where a transducer contradicts the judged value.
@@ -40,6 +41,7 @@ class Repeated:
     instruments: tuple[Contribution, ...] = ()
     power: tuple[Contribution, ...] = ()
     unshown: tuple[Contribution, ...] = ()
+    single: Uncertainty | None = None
     judge: Literal["each", "mean", "worst"] = "each"
     disagreement: Disagreement | None = None
 
@@ -48,6 +50,8 @@ class Repeated:
         """Of the mean; None where `uncertainty_reason` says why."""
         if self.n < 2 or self.uncertainty_reason:
             return None
+        if self._agree:
+            return self.single
         source = f"scatter over {self.n} repetitions"
         scatter = Uncertainty(self.standard_uncertainty, source, self.n - 1.0)
         return scatter.with_power(self.power).with_instruments((*self.unshown, *self.instruments))
@@ -59,9 +63,14 @@ class Repeated:
         unknown = [line.name for line in errors if not math.isfinite(line.standard)]
         if unknown:
             return f"not known of its sensors: {'; '.join(unknown)}"
-        if self.n > 1 and not errors and self.standard_uncertainty <= _ROUNDING * abs(self.mean):
+        if self._agree and self.single is None:
             return f"{self.n} repetitions read the same, so that no scatter tells"
         return ""
+
+    @property
+    def _agree(self) -> bool:
+        """Whether several repetitions are one number: as read in steps, or as none that is below zero."""
+        return self.n > 1 and self.standard_uncertainty <= _ROUNDING * abs(self.mean)
 
     @property
     def combined(self) -> float:
@@ -221,6 +230,15 @@ def _unshown(found: Sequence[Measurement], spread: float) -> Iterator[Contributi
             yield Contribution(name, "B", standard * math.sqrt(left) / stated)
 
 
+def _least_known(found: Sequence[Measurement]) -> Uncertainty | None:
+    """Return the largest uncertainty of repetitions, of all of which it is known."""
+    known = [each.uncertainty for each in found if math.isfinite(each.value)]
+    each_of_them = [each for each in known if each is not None]
+    if not each_of_them or len(each_of_them) < len(known):
+        return None
+    return max(each_of_them, key=lambda each: each.expanded)
+
+
 def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
     """Yield what the power of noise adds to the mean: it does so in every repetition, and no scatter shows
     it."""
@@ -294,6 +312,7 @@ def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
         instruments=tuple(_shared(found)),
         power=tuple(_power(found)),
         unshown=tuple(_unshown(found, spread)),
+        single=_least_known(found),
     )
 
 

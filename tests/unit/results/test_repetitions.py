@@ -242,7 +242,7 @@ def test_an_error_that_lowers_every_repetition_lowers_their_mean() -> None:
 @pytest.mark.parametrize(
     ("values", "left"),
     [
-        ((1.0, 1.0, 1.0), 0.5),  # on one step, which all of them are off by
+        ((0.97, 1.0, 1.03), 0.5),  # on one step, which all of them are off by
         ((0.7, 1.0, 1.3), math.sqrt(0.5**2 - 0.3**2 + 0.1**2)),
         ((0.0, 1.0, 2.0), 0.0),  # the scatter shows all of it
     ],
@@ -267,28 +267,32 @@ def test_what_the_scatter_does_not_show_of_type_b_is_in_the_mean(
     assert found.combined == pytest.approx(math.hypot(scatter, left))
 
 
-def _three(**each: object) -> Repeated:
+def _three(*values: float, **each: object) -> Repeated:
     measured = {
-        case.name: (Measurement("torque_mean", 1.0, "Nm", "mean", **each),)  # type: ignore[arg-type]
-        for case in cases(_plan(3))[:3]
+        case.name: (Measurement("torque_mean", value, "Nm", "mean", **each),)  # type: ignore[arg-type]
+        for case, value in zip(cases(_plan(3))[:3], values, strict=True)
     }
     (found,), *_ = over_repetitions(_plan(3), measured).values()
     return found
 
 
-def test_equal_numbers_alone_tell_no_uncertainty() -> None:
-    """They had U = 0 and a probability of conformance of 1."""
-    found = _three()
+def test_equal_numbers_tell_no_uncertainty_but_that_of_one() -> None:
+    """They had U = 0 and a probability of conformance of 1: a THD less its noise that is 0 three times."""
+    found = _three(1.0, 1.0, 1.0)
     assert found.uncertainty is None
     assert math.isnan(found.combined)
     assert found.to_json()["uncertainty_reason"] == "3 repetitions read the same, so that no scatter tells"
-    assert _three(uncertainty=Uncertainty(0.1, "test")).uncertainty_reason != ""
+    one = Uncertainty(0.1, "test")
+    assert _three(0.0, 0.0, 0.0, uncertainty=one).uncertainty == one
 
 
 def test_the_mean_has_the_sensors_of_repetitions_without_an_uncertainty_from_their_data() -> None:
     gain = Contribution("gain", "B", 0.2, instrument=InstrumentError("gain", "torque"))
     steps = Contribution("resolution", "B", 0.1)
-    assert _three(of_sensors=(gain, steps)).combined == pytest.approx(math.hypot(0.2, 0.1))
-    unknown = _three(of_sensors=(gain, Contribution("bandwidth of 100 Hz", "B", math.nan)))
+    found = _three(1.0, 1.03, 1.06, of_sensors=(gain, steps))
+    unshown = 0.1**2 - 0.03**2
+    assert found.combined == pytest.approx(math.sqrt(0.2**2 + unshown + 0.03**2 / 3.0))
+    lag = Contribution("bandwidth of 100 Hz", "B", math.nan)
+    unknown = _three(1.0, 1.1, 1.3, of_sensors=(gain, lag))
     assert unknown.uncertainty is None
     assert unknown.uncertainty_reason == "not known of its sensors: bandwidth of 100 Hz"
