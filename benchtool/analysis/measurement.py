@@ -76,8 +76,8 @@ class Measurement:
     besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
     `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
-    which ends at its `basis.bandwidth_Hz`. `sensitivities` are to the errors of sensors, and `of_sensors` what
-    these come to where the data give no uncertainty; neither is part of the document.
+    which ends at its `basis.bandwidth_Hz`. `sensitivities` are to the errors of sensors, and `of_sensors`
+    what these come to where the data give no uncertainty; neither is part of the document.
     """
 
     name: str
