@@ -10,7 +10,7 @@ from rich.text import Text
 from benchtool.analysis import Measurement, catalogue, placed, undefined, with_expanded
 from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
-from benchtool.plan import Limit
+from benchtool.plan import Limit, Verdict
 from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text
 
 _MOST_COLUMNS = 7
@@ -34,7 +34,7 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     warn_overdue(output, result.overdue)
     output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
-    show_waived(output, result.assessments)
+    show_waived(output, result)
     for case, missed in result.missed:
         output.sentence(
             f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
@@ -51,15 +51,20 @@ def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
             )
 
 
-def show_waived(output: Output, cases: Sequence[Assessment]) -> None:
+def show_waived(output: Output, result: RunResult) -> None:
     """Print each limit that was not met and is waived, with who consents and why."""
-    for case in cases:
-        for each in case.waived:
-            waived = case.limits[each.name].waived
-            assert waived is not None  # or it would count
-            output.sentence(
-                f"{_of(case, cases)}{each} ({waived.reason}, {waived.by})", lead="  waived: ", style="yellow"
-            )
+    cases = result.assessments
+    found = [(_of(case, cases), each, case.limits[each.name]) for case in cases for each in case.waived]
+    found += [
+        (f"{case}: ", each.waived, each.limit)
+        for case, together in result.repeated.items()
+        for each in together
+        if each.waived is not None and each.limit is not None
+    ]
+    for of, each, limit in found:
+        waived = limit.waived
+        assert waived is not None  # or it would count
+        output.sentence(f"{of}{each} ({waived.reason}, {waived.by})", lead="  waived: ", style="yellow")
 
 
 def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
@@ -164,7 +169,7 @@ def _together(repeated: Repeated) -> str:
     if limit is None:
         return ""
     what = "" if repeated.judged is None else f", {repeated.judge} {limit.bounds}"
-    return f"{repeated.verdict}{what}"
+    return f"{_verdict(repeated.verdict, repeated.conformance)}{what}"
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
@@ -220,8 +225,11 @@ def _judged(result: Assessment, name: str) -> str:
     """Return the verdict and, where the measurement has an uncertainty, the probability of conformance."""
     if name not in result.verdicts:
         return ""
-    probability = f", P {result.conformances[name]:.3g}" if name in result.conformances else ""
-    return f"{result.verdicts[name]}{probability}"
+    return _verdict(result.verdicts[name], result.conformances.get(name))
+
+
+def _verdict(verdict: Verdict, conformance: float | None) -> str:
+    return str(verdict) if conformance is None else f"{verdict}, P {conformance:.3g}"
 
 
 def _rules(limits: Mapping[str, Limit]) -> str:

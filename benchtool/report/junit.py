@@ -57,13 +57,16 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
     for group, together in run.repeated.items():
         for each in together:
             if each.limit is not None:
-                value = "not measured" if each.judged is None else with_expanded(each.mean, each.uncertainty)
+                judged = each.judged
+                value = "not measured"
+                if judged is not None:
+                    value = f"{with_expanded(judged.value, judged.uncertainty)} {each.unit}".rstrip()
                 test = _test(
                     suite, f"{title}.{_text(group)}", f"{each.name} {each.limit.bounds}, {each.judge}"
                 )
                 _judge(
-                    *(test, each.verdict, str(each.missed or "")),
-                    *(f"{value} {each.unit}, {each.limit.rule}", each.limit),
+                    *(test, each.verdict, str(each.missed or each.waived or "")),
+                    *(f"{value}, {each.limit.rule}", each.limit),
                 )
     for name in run.missing:
         test = _test(suite, f"{title}.{_text(name)}", "run")

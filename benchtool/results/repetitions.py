@@ -102,8 +102,28 @@ class Repeated:
 
     @property
     def missed(self) -> Missed | None:
-        """The missed limit; None if it is met or there is none."""
+        """The limit that was not met and counts, or was met within its margin only; None without one."""
+        return None if self._is_waived else self._missed
+
+    @property
+    def waived(self) -> Missed | None:
+        """The limit that was not met, and is waived; None without one."""
+        return self._missed if self._is_waived else None
+
+    @property
+    def _missed(self) -> Missed | None:
         return None if self.limit is None else missed(self.name, self.limit, self.judged)
+
+    @property
+    def _is_waived(self) -> bool:
+        return self.counted is not self.verdict
+
+    @property
+    def conformance(self) -> float | None:
+        """Probability that the limit is met; None without one, or where the uncertainty is not known."""
+        if self.limit is None or self.judged is None:
+            return None
+        return self.limit.conformance(self.judged.value, self.judged.uncertainty)
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields; nan becomes null."""

@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import NOTHING, number, raw, with_expanded
+from benchtool.analysis import NOTHING, Measurement, number, raw, with_expanded
 from benchtool.block import Block
-from benchtool.plan import Verdict, worst
+from benchtool.plan import Limit, Verdict, worst
 from benchtool.profile import Bench, Profile
 from benchtool.recording import MANIFEST, Bundle, Manifest, hash_of
 from benchtool.report import content
@@ -231,7 +231,7 @@ def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iter
         yield Text(f"Cases of the plan without a recording: {'; '.join(told)}.", "warning")
     for text, count in Counter(text for case in found for text in _open(case)).items():
         yield Text(f"{text}{'' if len(found) == 1 else f' ({count} of {len(found)} cases)'}.")
-    waived = tuple(_waived(found))
+    waived = tuple(_waived(runs, found))
     yield from waived
     judged = any(case.assessment and case.assessment.limits for case in found)
     if not told and not waived and not any(True for case in found for _ in _open(case)):
@@ -239,14 +239,25 @@ def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iter
         yield Text(whole if judged else "Nothing was left out.", "note")
 
 
-def _waived(found: Sequence[RecordedCase]) -> Iterator[Item]:
+def _waived(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
     """Yield the limits that were not met and are waived: by whom, why, and what was seen."""
-    rows = [
-        (each.name, case.name, waived.reason, waived.by, str(each))
+    told = [
+        (case.name, each, case.assessment.limits[each.name])
         for case in found
         if case.assessment
         for each in case.assessment.waived
-        if (waived := case.assessment.limits[each.name].waived) is not None
+    ]
+    told += [
+        (group, each.waived, each.limit)
+        for run in runs
+        for group, together in run.repeated.items()
+        for each in together
+        if each.waived is not None and each.limit is not None
+    ]
+    rows = [
+        (each.name, name, limit.waived.reason, limit.waived.by, str(each))
+        for name, each, limit in told
+        if limit.waived is not None
     ]
     if rows:
         yield Grid.of(("waived limit", "case", "why", "by", "what was seen"), rows)
@@ -256,6 +267,7 @@ def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
     """Return each requirement that the plans and their limits are evidence for, with its worst verdict; None
     without any."""
     found: dict[str, list[tuple[str, Verdict]]] = {}
+    held: list[tuple[str, str, Limit, Verdict]] = []
     for run in runs:
         for case in run.cases:
             result = case.assessment
@@ -263,11 +275,16 @@ def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
             for requirement in of_plan:
                 found.setdefault(str(requirement), []).append((case.name, case.verdict))
             for name, limit in () if result is None else result.limits.items():
-                if limit.requirement:
-                    verdict = result.verdicts[name] if result is not None else Verdict.NONE
-                    waived = limit.counted(verdict) is Verdict.NONE
-                    place = f"{case.name}: {name}{' (waived)' if waived else ''}"
-                    found.setdefault(limit.requirement, []).append((place, limit.counted(verdict)))
+                verdict = result.verdicts[name] if result is not None else Verdict.NONE
+                held.append((case.name, name, limit, verdict))
+        for group, together in run.repeated.items():
+            held += [(group, each.name, each.limit, each.verdict) for each in together if each.limit]
+    for place, name, limit, verdict in held:
+        if limit.requirement:
+            waived = " (waived)" if limit.counted(verdict) is Verdict.NONE else ""
+            found.setdefault(limit.requirement, []).append(
+                (f"{place}: {name}{waived}", limit.counted(verdict))
+            )
     if not found:
         return None
     rows = []
@@ -310,7 +327,7 @@ def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
     for (name, rule), found in judged.items():
         result, _, bounds = max(found, key=_badness)
         measured = result.found.get(name)
-        value = "not measured" if measured is None else _with_k(result, name)
+        value = "not measured" if measured is None else _with_k(measured)
         left = NOTHING if measured is None else number(bounds.headroom(measured.value)[0], 3)
         limits = {each.text for _, _, each in found}
         verdict = worst(each.verdicts[name] for each, _, _ in found)
@@ -321,13 +338,13 @@ def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
     for group, together in run.repeated.items():
         for each in together:
             if each.limit is not None:
-                value = with_expanded(each.mean, each.uncertainty)
+                value = "not measured" if each.judged is None else _with_k(each.judged)
                 what = "" if each.judged is None else f" ({each.judged.definition})"
                 verdict_ = Cell(str(each.verdict), mark(each.verdict))
                 left = NOTHING if each.judged is None else number(each.limit.headroom(each.judged.value), 3)
                 yield (
                     *(f"{prefix}{each.name}", f"{each.limit.bounds}{what}", each.limit.rule),
-                    *(f"{value} {each.unit}".rstrip(), group, left, verdict_),
+                    *(value, group, left, verdict_),
                 )
 
 
@@ -339,7 +356,6 @@ def _badness(judged: tuple[Assessment, str, Bounds]) -> tuple[int, float]:
     return list(Verdict).index(result.verdicts[name]), -room
 
 
-def _with_k(result: Assessment, name: str) -> str:
-    measured = result.found[name]
+def _with_k(measured: Measurement) -> str:
     k = "" if measured.uncertainty is None else f" ({measured.uncertainty.k:.3g})"
     return f"{with_expanded(measured.value, measured.uncertainty)}{k} {measured.unit}".rstrip()

@@ -16,7 +16,7 @@ from benchtool.results import RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
 _FEW_CASES = 4
-_REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">repetitions", "limit", "verdict")
+_REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">n", "limit", "verdict")
 _WELL = (Verdict.NONE, Verdict.PASS)
 
 
@@ -99,7 +99,8 @@ def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     if each.limit is None:
         return (*row, "", "")
     what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"
-    return (*row, f"{each.limit.bounds}{what}", Cell(str(each.verdict), mark(each.verdict)))
+    P = "" if each.conformance is None else f", P {each.conformance:.3g}"
+    return (*row, f"{each.limit.bounds}{what}", Cell(f"{each.verdict}{P}", mark(each.verdict)))
 
 
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:

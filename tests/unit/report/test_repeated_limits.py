@@ -1,0 +1,67 @@
+"""Limits on repetitions together in a report: the value that is judged, its requirement, its waiver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchtool.analysis import Measurement, Uncertainty
+from benchtool.plan import Limit, Verdict, Waived
+from benchtool.report.assembly.front import _judged_together, _not_run, requirements_section
+from benchtool.report.assembly.plan import _repeated_row
+from benchtool.report.content import Cell, Grid, Section
+from benchtool.results import RecordedRun, Repeated
+
+LIMIT = Limit(max=1.0, requirement="SRS-12", margin="U")
+WORST = Measurement("torque_mean", 1.2, "Nm", "worst of 3 repetitions", uncertainty=Uncertainty(0.05, ""))
+
+
+def _run(limit: Limit) -> RecordedRun:
+    run = RecordedRun("", Path(), ())
+    judged = Repeated("torque_mean", "Nm", 0.9, 0.1, 3, limit=limit, judged=WORST, judge="worst")
+    run.__dict__["repeated"] = {"case": (judged,)}
+    return run
+
+
+def _texts(section: Section) -> list[list[str]]:
+    (grid,) = (each for each in section.items if isinstance(each, Grid))
+    return [[cell.text if isinstance(cell, Cell) else cell for cell in row] for row in grid.rows]
+
+
+def test_the_value_that_is_judged_stands_with_its_k() -> None:
+    """The mean stood there, whatever was judged, and without the k that the heading promises."""
+    (row,) = _texts(_judged_together([_run(LIMIT)]))
+    assert row[3] == "1.200 ± 0.098 (1.96) Nm"
+    assert row[6] == "fail"
+    (judged,) = _run(LIMIT).repeated["case"]
+    assert judged.conformance == pytest.approx(3.2e-5, rel=0.02)
+    verdict = _repeated_row(judged)[-1]
+    assert isinstance(verdict, Cell)
+    assert verdict.text == "fail, P 3.17e-05"
+
+
+@pytest.mark.parametrize(
+    ("waived", "verdict", "evidence"),
+    [
+        (None, "fail", "case: torque_mean"),
+        (Waived(reason="a prototype", by="ann"), "none", "case: torque_mean (waived)"),
+    ],
+)
+def test_a_requirement_has_the_limits_on_repetitions_as_evidence(
+    waived: Waived | None, verdict: str, evidence: str
+) -> None:
+    run = _run(LIMIT.model_copy(update={"waived": waived}))
+    section = requirements_section([run])
+    assert section is not None
+    assert _texts(section) == [["SRS-12", verdict, evidence]]
+
+
+def test_a_waived_limit_on_repetitions_is_told_as_such() -> None:
+    run = _run(LIMIT.model_copy(update={"waived": Waived(reason="a prototype", by="ann")}))
+    ((row),) = _texts(Section("", tuple(_not_run([run], []))))
+    assert row[:4] == ["torque_mean", "case", "a prototype", "ann"]
+    (judged,) = run.repeated["case"]
+    assert judged.missed is None
+    assert judged.waived is not None
+    assert judged.waived.verdict is Verdict.FAIL
