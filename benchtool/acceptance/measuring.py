@@ -94,15 +94,19 @@ def held(
 
 
 def _stated(uncertainty: Uncertainty | float | None) -> dict[str, float | None]:
-    """Return the fields of an uncertainty; nothing where it is not known."""
+    """Return the fields of an uncertainty; nothing where it is not known.
+
+    What few observations add to the standard uncertainty is not in the expanded one, which is stated then.
+    """
     if uncertainty is None:
         return {}
     if isinstance(uncertainty, int | float):
         return {"standard": float(uncertainty)} if math.isfinite(uncertainty) else {}
     if not math.isfinite(uncertainty.expanded):
         return {}
-    return {
+    known = {
         "standard": float(uncertainty.standard),
         "dof": float(uncertainty.dof) if math.isfinite(uncertainty.dof) else None,
-        "half_width": uncertainty.half_width,
     }
+    multiple = uncertainty.half_width is None and uncertainty.experimental == uncertainty.standard
+    return known | {"half_width": None if multiple else float(uncertainty.expanded)}

@@ -30,6 +30,7 @@ UNSTATED: Final = "the sensors' own uncertainty is not stated"
 
 _OF_READING = "noise is that of the reading: the sensor attenuates what comes before it"
 _FEWEST = 16  # samples that are a waveform
+_SAME_STEP = 1e-6  # relative: what rounding of the readings leaves of a stated step that the data show
 _GRIDS = 0.125, 0.375, 0.625, 0.875  # where the steps of a reading may begin
 _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 """Degree in the length of a tick, by the unit of a measurement."""
@@ -184,8 +185,8 @@ class Instruments:
 
     def _rest(self, channel: str, sensor: Sensor) -> float:
         """Return the stated step less that which the data show, in squares: the analyses count those."""
-        seen = self._resolution(channel)
-        return math.sqrt(max(0.0, (sensor.resolution or 0.0) ** 2 - seen**2))
+        step, seen = sensor.resolution or 0.0, self._resolution(channel)
+        return math.sqrt(step**2 - seen**2) if seen < (1.0 - _SAME_STEP) * step else 0.0
 
     def _of_resolution(self, channel: str, sensor: Sensor, standard: float) -> Contribution:
         text = f"resolution of {sensor.resolution:g} {sensor.unit}"

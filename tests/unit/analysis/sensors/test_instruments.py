@@ -90,13 +90,14 @@ def _standing(step: float) -> Block:
 
 @pytest.mark.parametrize(
     ("stated", "in_data", "rest"),
-    [(0.05, 0.03, 0.04), (0.05, 0.05, 0.0), (0.03, 0.05, 0.0)],
+    [(0.05, 0.03, 0.04), (0.05, 0.05, 0.0), (0.03, 0.05, 0.0), (0.05 * (1.0 + 1e-9), 0.05, 0.0)],
 )
 def test_a_resolution_counts_once(stated: float, in_data: float, rest: float) -> None:
     """The analyses count the steps that they find; of the stated one the rest is left, in squares."""
     bench = Bench(channels={"torque": sensor_of(resolution_Nm=stated)})
     (mean,) = applied(bench, reading("torque_mean", 0.3), blocks=[_standing(in_data)])
     assert uncertainty_of(mean).standard == pytest.approx(rest / math.sqrt(12.0), rel=0.02, abs=1e-8)
+    assert any("beyond that" in line.name for line in uncertainty_of(mean).budget) == (rest > 0.0)
 
 
 def test_a_resolution_averages_out_where_the_signal_spans_its_steps() -> None:
