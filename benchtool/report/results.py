@@ -62,11 +62,12 @@ def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]
         "limit",
         "decision rule",
         ">margin left",
-        ">P(conformance)",
+        ">P",
         "verdict",
     )
-    notes = [
-        Text(f"No P(conformance) of {name}: {bounds.no_conformance.rstrip('.')}.", "note")
+    notes = [Text("P is the probability of conformance, by the measurement alone.", "note")]
+    notes += [
+        Text(f"No P of {name}: {bounds.no_conformance.rstrip('.')}.", "note")
         for name, bounds in limits.items()
         if bounds.no_conformance
     ]

@@ -140,11 +140,13 @@ def _of_estimate(residual_Nm: Floats, ripple_Nm: float, basis: Basis) -> Iterato
     )
     yield from _mean_and_rms(residual_Nm, "torque_residual", what, basis)
     text = f"greatest magnitude of {what}"
-    yield Measurement("torque_residual_max", float(np.max(np.abs(residual_Nm))), "Nm", text, basis)
+    greatest, why = float(np.max(np.abs(residual_Nm))), "one record tells one greatest magnitude"
+    yield Measurement("torque_residual_max", greatest, "Nm", text, basis, uncertainty_reason=why)
     name = "torque_residual_percent_of_ripple"
     text = "100 x rms of torque_residual about its mean / rms of the drive's estimate about its mean"
     if ripple_Nm > 0.0:
-        yield Measurement(name, 100.0 * float(np.std(residual_Nm)) / ripple_Nm, "%", text, basis)
+        share, why = 100.0 * float(np.std(residual_Nm)) / ripple_Nm, "how both rms go together is not told"
+        yield Measurement(name, share, "%", text, basis, uncertainty_reason=why)
     else:
         yield Measurement.undefined(name, "%", text, "the torque is constant", basis)
 

@@ -348,3 +348,12 @@ def test_the_transducer_is_taken_apart_by_the_periods_of_the_capture() -> None:
     assert rms.uncertainty is not None
     assert "over 5 electrical periods" in rms.uncertainty.source
     assert rms.uncertainty.standard < 1e-6
+
+
+def test_every_number_without_an_uncertainty_says_why() -> None:
+    found = analyze(capture(), transducer()).measurements
+    assert [
+        each.name
+        for each in found
+        if each.uncertainty is None and not (each.uncertainty_reason or each.reason)
+    ] == []

@@ -136,3 +136,10 @@ def test_it_takes_every_tick_and_enough_of_them(record: tuple[Block, Block]) -> 
         torque_residual(sparse, MOTOR)
     with pytest.raises(AnalysisError, match="5 rows to predict"):
         torque_residual(Block(block.channels, 0, 1, T_S, block.data[:5]), MOTOR)
+
+
+def test_what_has_no_uncertainty_says_why() -> None:
+    block, shaft = _record()
+    bare = [each for each in torque_residual(block, MOTOR, shaft) if each.uncertainty is None]
+    assert bare
+    assert all(each.uncertainty_reason or each.reason for each in bare)
