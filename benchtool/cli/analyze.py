@@ -33,6 +33,7 @@ from benchtool.results import (
     is_planned,
     is_table,
     recorded_runs,
+    stored_remarks,
 )
 from benchtool.run import bundle_folder
 from benchtool.tables import PHASES, TableAnswer, TableQuestion, analyze_table, quantity
@@ -280,6 +281,8 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
         result = RunResult(_assessed(bundle, selection))
         show_run(output, bundle.manifest.what, result)
         document = result.to_json()
+        for remark in stored_remarks(bundle):
+            output.warning(remark)
         if not bundle.complete:
             failure = str(bundle.manifest.details.get("failure", "its process ended"))
             output.warning(f"{run} was cut short ({failure}): what came until then was measured")

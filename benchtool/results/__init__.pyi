@@ -65,6 +65,7 @@ from .tables import (
     TABLE as TABLE,
     assess_table as assess_table,
     is_table as is_table,
+    stored_remarks as stored_remarks,
 )
 from .twin import (
     Signal as Signal,

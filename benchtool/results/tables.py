@@ -18,6 +18,15 @@ def is_table(bundle: Bundle) -> bool:
     return bundle.complete and isinstance(bundle.manifest.details.get("source"), dict)
 
 
+def stored_remarks(bundle: Bundle) -> tuple[str, ...]:
+    """Return the remarks on a measured table, such as of a calibration that was overdue; none of others."""
+    if not is_table(bundle):
+        return ()
+    remarks = bundle.manifest.details.get("remarks")
+    told = remarks if isinstance(remarks, list) else []
+    return tuple(str(each["text"]) for each in told if isinstance(each, dict) and "text" in each)
+
+
 def assess_table(bundle: Bundle) -> Assessment:
     """Return what was measured of a table, which has no limits.
 

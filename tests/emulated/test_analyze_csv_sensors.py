@@ -107,6 +107,8 @@ def test_the_report_of_a_bundle_shows_what_the_table_measured(invoke: Invoke) ->
     first = Path("kept/report.html").read_bytes()
     _report("kept")
     assert Path("kept/report.html").read_bytes() == first  # the same page again, from the bundle alone
+    again = CliRunner().invoke(app, ["analyze", "kept"])
+    assert "was due on 2000-01-01" in again.output
     page = first.decode("utf-8")
     for text in ("current_fundamental", "current_harmonics", "gain of CH1 [A] (current probe", "scope.csv"):
         assert text in page
