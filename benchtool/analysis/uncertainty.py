@@ -280,12 +280,7 @@ def of_difference(
         if rest is not None:
             left = [Contribution(a.name, "B", u) for (a, _), u in zip(added, apart, strict=False) if u > 0.0]
             return rest.with_instruments(left)
-    common = [
-        (a, b)
-        for a in one.budget
-        for b in two.budget
-        if a.instrument is not None and b.instrument is not None and a.instrument.is_same(b.instrument)
-    ]
+    common = _in_common(one, two)
     if common:
         rest = of_difference(
             one.without([each for each, _ in common]), two.without([each for _, each in common])
@@ -306,6 +301,23 @@ def of_difference(
         (*one.lines, *two.lines),
         half_width=math.hypot(one.expanded, two.expanded) if derived else None,
     )
+
+
+def _in_common(one: Uncertainty, two: Uncertainty) -> list[tuple[Contribution, Contribution]]:
+    """Return the lines of two budgets that are one error of one instrument, each once: those of one channel
+    before others, as an instrument may have several."""
+    left = [(b, b.instrument) for b in two.budget if b.instrument is not None]
+    pairs = []
+    for a in one.budget:
+        of = a.instrument
+        if of is None:
+            continue
+        same = [each for each in left if of.is_same(each[1])]
+        if same:
+            found = next((each for each in same if each[1].channel == of.channel), same[0])
+            left.remove(found)
+            pairs.append((a, found[0]))
+    return pairs
 
 
 def _effective(square: float, fourth: float) -> float:

@@ -18,7 +18,7 @@ from benchtool.analysis import (
 from benchtool.analysis.catalogue import catalogue, measure
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.sensors.instruments import UNSTATED, Instruments, Perturbed
-from benchtool.analysis.uncertainty import Contribution, InstrumentError, of_difference
+from benchtool.analysis.uncertainty import Contribution, InstrumentError, combined, of_difference
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
@@ -293,3 +293,25 @@ def test_the_budget_comes_back_from_json() -> None:
     assert line.instrument == InstrumentError("gain", "torque", "x", "7", "")
     assert line.scaled(-2.0) == replace(line, standard=2.0 * line.standard, sign=1)
     assert Contribution("x", "A", 1.0).scaled(-1.0).sign == -1
+
+
+def test_three_inputs_of_one_instrument_are_paired_channel_by_channel() -> None:
+    """Each was set against all three, so that the difference of two sequences counted them sqrt(3) times."""
+
+    def of_three(amplitude: float) -> Uncertainty:
+        lines = [
+            Contribution(
+                f"gain of {channel}",
+                "B",
+                0.01 * amplitude / 3.0,
+                instrument=InstrumentError("gain", channel, "analyser", "77"),
+            )
+            for channel in ("i_a", "i_b", "i_c")
+        ]
+        return uncertainty_of(replace(reading("x", amplitude), uncertainty=combined(lines, "three")))
+
+    difference = of_difference(of_three(2.0), of_three(4.0))
+    assert difference.standard == pytest.approx(math.sqrt(3.0) * 0.01 * 2.0 / 3.0)
+    moved = replace(of_three(2.0).budget[0], instrument=InstrumentError("gain", "i_b", "analyser", "77"))
+    one = Uncertainty(moved.standard, "one", budget=(moved,))
+    assert of_difference(one, of_three(2.0)).standard == pytest.approx(math.sqrt(2.0) * moved.standard)
