@@ -62,13 +62,13 @@ class Comparison(Named["Delta"]):
         return f"<Comparison of {self.other} against {self.reference}: {len(self)} measurements>"
 
     def _rows(self) -> Iterator[tuple[str, ...]]:
-        from benchtool.analysis import number, signed, stated
+        from benchtool.analysis import placed, signed, stated
 
         for each in self._deltas.values():
             expanded = None if each.uncertainty is None else each.uncertainty.expanded
             mark = {True: "*", False: "~", None: ""}[each.exceeds]
             yield (
-                *(each.name, number(each.reference), number(each.value)),
+                *(each.name, placed(each.reference, expanded), placed(each.value, expanded)),
                 *(stated(each.absolute, expanded), f"{signed(each.percent, 2)} %{mark}", each.unit),
             )
 

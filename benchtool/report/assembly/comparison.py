@@ -102,7 +102,7 @@ def _measured(comparison: Comparison) -> Iterator[Item]:
             f">difference ± U ({100 * COVERAGE:g} %)",
             "unit",
             ">percent",
-            "exceeds uncertainty",
+            "exceeds U",
             "judgement",
         )
         grid = Grid.of(headings, [delta_row(delta) for delta in deltas if delta.name in names])

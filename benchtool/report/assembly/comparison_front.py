@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import COVERAGE, catalogue, signed, with_expanded
+from benchtool.analysis import COVERAGE, catalogue, placed, signed, with_expanded
 from benchtool.plan import Verdict, worst
 from benchtool.recording import Manifest
 from benchtool.report import content
@@ -61,7 +61,7 @@ def _banner(comparisons: Sequence[Comparison]) -> content.Verdict:
         parts.append(f"{open_} have none and are not decided")
     verdict = worst(each.verdict for one in comparisons for each in one.results.values())
     if verdict is not Verdict.NONE:
-        parts.append(f"worst verdict of the runs: {verdict}")
+        parts.append(f"worst verdict of the cases, each by itself: {verdict}")
     sign: Mark = "worse" if judged["worse"] else "better" if judged["better"] else "none"
     title = {"worse": "Worse", "better": "Better", "none": "Differences" if apart else "No difference found"}[
         sign
@@ -129,8 +129,7 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
         (
             delta.name,
             label,
-            f"{delta.reference:.4g}",
-            f"{delta.value:.4g}",
+            *_values(delta),
             difference(delta),
             delta.unit,
             Cell(delta.judgement, delta.judgement) if delta.judgement else "",
@@ -140,6 +139,12 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
     yield Grid.of(headings, rows)
     if more := len(found) - len(shown):
         yield Text(f"{more} more stand with the measurements.", "note")
+
+
+def _values(delta: Delta) -> tuple[str, str]:
+    """Return both values to the place of the uncertainty of their difference, so that they show it."""
+    expanded = None if delta.uncertainty is None else delta.uncertainty.expanded
+    return placed(delta.reference, expanded), placed(delta.value, expanded)
 
 
 def difference(delta: Delta) -> str:

@@ -24,7 +24,7 @@ from benchtool.analysis.uncertainty import (
 )
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit, Verdict
-from benchtool.report.assembly.comparison_front import difference
+from benchtool.report.assembly.comparison_front import _values, difference
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
 
@@ -392,3 +392,11 @@ def test_of_a_shared_error_remains_what_it_moves_one_value_more() -> None:
     assert of_difference(of(0.3, 1), of(0.3, 1)).standard == pytest.approx(own)
     assert of_difference(of(0.3, 1), of(0.2, 1)).standard == pytest.approx(math.hypot(own, 0.1))
     assert of_difference(of(0.3, 1), of(0.2, -1)).standard == pytest.approx(math.hypot(own, 0.5))
+
+
+def test_values_are_shown_to_the_place_of_their_difference() -> None:
+    """Four digits of 9.99874 and 10.0039 Hz, 9.999 and 10, contradict a difference of 0.0052."""
+    (delta,) = deltas(result(x=(9.99874, 0.0015)), result(x=(10.0039, 0.0015)))
+    assert _values(delta) == ("9.9987", "10.0039")
+    (bare,) = deltas(result(x=(9.99874, None)), result(x=(10.0039, None)))
+    assert _values(bare) == ("9.999", "10.00")
