@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from benchtool.analysis import Panel
+from benchtool.analysis import Panel, with_expanded
 from benchtool.analysis.orders import Orders, OrderSpectrum, machine_orders, order_meaning
 from benchtool.report.figures.labels import channel_label, with_unit
 from benchtool.report.figures.style import BLUE, LIGHT, LIMIT, ORANGE, add_legend, dress, new_figure
@@ -60,6 +60,7 @@ def draw_orders(panel: Panel, analysis: str, title: str) -> Figure:
     meanings = (order_meaning(each, found.pole_pairs, found.slots) for each in largest)
     listed = [_listed(spectrum, each, meaning) for each, meaning in zip(largest, meanings, strict=True)]
     below.set_axis_off()
+    listed.append("± is U (95 %), of what the samples tell")
     below.text(0.0, 1.0, "\n".join(listed), verticalalignment="top", fontsize=_FONT_PT)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     amplitude_of = with_unit(f"{channel_label(spectrum.signal, '')}, peak", spectrum.unit)
@@ -103,6 +104,6 @@ def _number(axes: Axes, spectrum: OrderSpectrum, largest: Sequence[int]) -> None
 
 
 def _listed(spectrum: OrderSpectrum, order: int, meaning: str) -> str:
-    amplitude, standard = float(spectrum.amplitude[order - 1]), float(spectrum.standard[order - 1])
+    amplitude = with_expanded(float(spectrum.amplitude[order - 1]), spectrum.uncertainty(order))
     what = f" ({meaning})" if meaning else ""
-    return f"order {order}: {amplitude:.3g} ± {standard:.2g} {spectrum.unit}{what}"
+    return f"order {order}: {amplitude} {spectrum.unit}{what}"

@@ -51,8 +51,10 @@ def test_stems_stand_at_their_orders_and_the_largest_are_listed() -> None:
     assert len(stems) == 90  # a quarter beyond the highest of the largest
     assert stems[71] == pytest.approx((72, 0.2))
     listed = below.texts[0].get_text().splitlines()
-    assert listed[0].startswith("order 72: 0.2 ± 0.0005 Nm (6p, phase harmonics 5 and 7; cogging")
+    # 2.26 times the experimental standard uncertainty, of 9 degrees of freedom; it was u, to other digits
+    assert listed[0].startswith("order 72: 0.2000 ± 0.0010 Nm (6p, phase harmonics 5 and 7; cogging")
     assert [line.split(":")[0] for line in listed[1:4]] == ["order 6", "order 12", "order 13"]
+    assert listed[-1] == "± is U (95 %), of what the samples tell"
 
 
 def test_numbers_above_stems_do_not_cover_each_other() -> None:
