@@ -163,14 +163,17 @@ class Uncertainty:
     def line(self, name: str, factor: float = 1.0) -> Contribution:
         """Return the one line of another budget, `name`, in which this result counts `factor` times.
 
-        Both of its standard uncertainties are kept, by the degrees of freedom that make one of the other.
+        Both of its standard uncertainties are kept, by the degrees of freedom that make one of the other. It
+        is of type B where most of its square is.
         """
+        other2 = sum(each.experimental**2 for each in self.budget if each.evaluation == "B")
+        kind: Literal["A", "B"] = "B" if other2 > 0.5 * self.experimental**2 else "A"
         ratio2 = (self.standard / self.experimental) ** 2 if self.experimental > 0.0 else 1.0
         if not ratio2 > 1.0:
-            return Contribution(name, "A", abs(factor) * self.standard, self.dof)
+            return Contribution(name, kind, abs(factor) * self.standard, self.dof)
         alone = math.isclose(ratio2, students_deviation(self.dof) ** 2, rel_tol=1e-9)
         dof = self.dof if alone else 2.0 * ratio2 / (ratio2 - 1.0)
-        return Contribution(name, "A", abs(factor) * self.standard, dof, of_student=True)
+        return Contribution(name, kind, abs(factor) * self.standard, dof, of_student=True)
 
     def with_instruments(self, errors: Sequence[Contribution]) -> Uncertainty:
         """That which the errors of instruments contribute to besides, as independent of all that is known.

@@ -315,3 +315,15 @@ def test_three_inputs_of_one_instrument_are_paired_channel_by_channel() -> None:
     moved = replace(of_three(2.0).budget[0], instrument=InstrumentError("gain", "i_b", "analyser", "77"))
     one = Uncertainty(moved.standard, "one", budget=(moved,))
     assert of_difference(one, of_three(2.0)).standard == pytest.approx(math.sqrt(2.0) * moved.standard)
+
+
+@pytest.mark.parametrize(("steps", "kind"), [(0.05, "A"), (0.2, "B")])
+def test_a_budget_in_one_line_is_of_the_type_that_most_of_it_is(steps: float, kind: str) -> None:
+    """A ripple in percent of the mean had the steps of the ripple as type A, which repetitions would show."""
+    lines = Contribution("scatter", "A", 0.1, 9.0, of_student=True), Contribution("resolution", "B", steps)
+    whole = combined(lines, "test")
+    assert whole is not None
+    line = whole.line("torque_ripple_pp", 2.0)
+    assert line.evaluation == kind
+    assert line.standard == pytest.approx(2.0 * whole.standard)
+    assert line.experimental == pytest.approx(2.0 * whole.experimental)
