@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 _RATE_HZ = 10_000.0
 _FINE = 50  # instants per row at which the truth is looked for
-_RECORDS = 16  # over which an extreme is averaged
+_RECORDS = 100  # over which an extreme is averaged
 _ARRIVED, _LOW, _HIGH = 0.02, 0.1, 0.9
 _ROUNDING = 1e-7  # of the step
 _VARIED = 0.94, 1.06  # of all times, from record to record

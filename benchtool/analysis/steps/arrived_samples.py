@@ -62,7 +62,8 @@ class ArrivedSamples:
     uncertainty of the mean. Of shape (n,) are `of_course`, the standard deviation of what noise has left in
     the course, `of_rest`, how much of the noise that leaves about it, and `of_times`, the standard deviation
     of each value because its time is not known. `rows`, shape (rows,), are those in which they may as well
-    begin, moved by noise or not, and `shares` how likely each is.
+    begin, moved by noise or not, and `shares` how likely each is. `followed`, shape (draws, m), are all
+    samples as noise may make them, and `begins`, shape (draws,), where it makes those arrive.
     """
 
     samples: Floats
@@ -72,6 +73,8 @@ class ArrivedSamples:
     of_rest: Floats
     of_times: Floats
     rows: NDArray[np.int64]
+    followed: Floats | None
+    begins: Floats
     is_moved_by_noise: bool
     shares: Floats
     at_rest: int
@@ -98,17 +101,24 @@ class ArrivedSamples:
         """
         end = len(samples)
         first = min(math.ceil(begin.place), end)
-        rest = _rest(curve.values, first, band, noise.rms, event)
-        course = curve.values.copy()
+        course = curve.values[:end].copy()
+        rest = _rest(course, first, band, noise.rms, event)
         if end - rest < _FEWEST_SAMPLES:
             rest = end
         else:
             course[rest:] = np.mean(samples[rest:])
             noise = Noise.of(samples[rest:])
-        of_course, of_rest = _in_course(curve.errors[:, first:end], noise.rms, begin)
+        of_course = _in_course(curve.errors[:, first:end], noise.rms, begin)
+        of_rest = np.ones(end - first) if curve.beside is None else curve.beside[first:end].copy()
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
-        of_times[:rest] = curve.time_scatter * _slopes(curve.values, curve.time_scatter)[:rest]
+        of_times[:rest] = curve.time_scatter * _slopes(curve.values[:end], curve.time_scatter)[:rest]
+        followed, begins = None, np.array(begin.drawn)
+        if curve.noise is not None and len(begins) == len(curve.noise):
+            # what is at rest there shows its noise better than what is at rest elsewhere
+            share = min(1.0, noise.rms / float(np.std(curve.noise[:, end - 1])))
+            followed = curve.values[:end] + share * curve.noise[:, :end]
+            begins = begin.place + share * (begins - begin.place)
         places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
         rows, counts = np.unique(places, return_counts=True)
         return cls(
@@ -119,6 +129,8 @@ class ArrivedSamples:
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
+            followed=followed,
+            begins=begins,
             is_moved_by_noise=len(begin.drawn) > 0 and curve.turned is None,
             shares=counts / len(places),
             at_rest=end - rest,
@@ -150,6 +162,7 @@ class ArrivedSamples:
             Contribution(name, "A", self._scatter_of_greatest(side)),
             self._of_mean(),
             Contribution(_TIMES, "A", self._of_greatest_in_time(side)),
+            Contribution("noise that the instant of arrival follows", "A", self._of_followed(side)),
         ]
         # noise that moves the instant moves the samples there as much, to the level that it is defined by
         rows = np.clip(self.rows, self.first - 1, self.first + 1) if self.is_moved_by_noise else self.rows
@@ -214,6 +227,19 @@ class ArrivedSamples:
         is_level = self.at_rest or self._is_heavy
         on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
         return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
+
+    def _of_followed(self, side: Side) -> float:
+        """Return by how much the greatest is off, on average, that from a fixed instant on: where the curve
+        follows noise, that is at the level of arrival in the first row, whatever it is then.
+        """
+        if self.followed is None:
+            return 0.0
+        off = [
+            float(np.max(each[max(0, math.ceil(begin)) :]) - np.max(each[self.first :]))
+            for each, begin in zip(side(self.followed), self.begins.tolist(), strict=True)
+            if begin <= len(each) - 1
+        ]
+        return abs(float(np.mean(off))) if off else 0.0
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
         """Return the scatter of the largest of deviations, shape (n,), on one level."""
@@ -304,24 +330,22 @@ def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertai
     return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
 
 
-def _in_course(errors: Floats, rms: float, begin: Instant) -> tuple[Floats, Floats]:
-    """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, and
-    how much of that noise is left about it, both of shape (n,).
+def _in_course(errors: Floats, rms: float, begin: Instant) -> Floats:
+    """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, shape
+    (n,).
 
     The level at the instant `begin` is the one that it is defined by: of the error in the first row only
     what a row after that instant leaves open is there, and of others only what is not correlated with it.
     """
     count = errors.shape[1]
     if not len(errors) or not count or not rms > 0.0:
-        return np.zeros(count), np.ones(count)
-    own = np.minimum(np.std(errors, axis=0), rms)
-    about = np.sqrt(1.0 - (own / rms) ** 2)
+        return np.zeros(count)
     square = float(np.mean(errors[:, 0] ** 2))
     if begin.drawn and square > 0.0:
         # within a row it is evenly distributed
         known = 1.0 - _UNIFORM / math.hypot(_UNIFORM, begin.standard)
         errors = errors - known * errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
-    return np.minimum(np.std(errors, axis=0), rms), about
+    return np.asarray(np.minimum(np.std(errors, axis=0), rms))
 
 
 def _slopes(curve: Floats, scatter: float) -> Floats:
@@ -339,7 +363,7 @@ def _places(begin: Instant) -> Floats:
     if not begin.drawn:  # without noise, anywhere that the samples allow
         return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
     drawn = np.array(begin.drawn)
-    return np.asarray(begin.place + np.quantile(drawn, middles) - np.median(drawn))
+    return np.asarray(begin.place + np.nanquantile(drawn, middles) - np.nanmedian(drawn))
 
 
 def end_of_tail(away: Floats, band: float, noise: float) -> int:

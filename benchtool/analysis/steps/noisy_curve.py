@@ -66,7 +66,8 @@ class NoisyCurve:
     rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
     is what the same noise makes of the mean of the samples before the first. `turned`, shape (draws, n), is
     what is added to errors that are those of a converter's steps alone where a curve turns back within a
-    level of it; None otherwise.
+    level of it; None otherwise. `noise`, shape (draws, n), is what the errors are made of before it is
+    smoothed, if any is, and `beside`, shape (n,), how much of it the samples have about the curve.
     """
 
     values: Floats
@@ -75,6 +76,8 @@ class NoisyCurve:
     longer: Floats | None = None
     before: Floats | None = None
     turned: Floats | None = None
+    noise: Floats | None = None
+    beside: Floats | None = None
 
     @classmethod
     def through(cls, samples: Floats, noise: Noise, before: int = 0) -> NoisyCurve:
@@ -103,16 +106,25 @@ class NoisyCurve:
             return cls(samples, of_steps + of_times, scatter, turned=turned)
         drawn = noise.draw(random, (draws, before + count))
         of_before = np.mean(drawn[:, :before], axis=1) if before else None
-        errors, curve = smoother.apply(levels * drawn[:, before:]), smoother.apply(samples)
+        drawn = levels * drawn[:, before:]
+        errors, curve = smoother.apply(drawn), smoother.apply(samples)
         if isinstance(of_steps, np.ndarray):
             of_steps = smoother.apply(of_steps)
         if scatter:
             errors += smoother.apply(_of_times(random, curve, scatter, draws))
         blunt = longer.apply(samples)
         bias = _OF_BIAS * (blunt - curve)
-        errors *= residual_levels((samples - curve) / levels, noise.rms)
+        beside = np.std(drawn - errors, axis=0) / np.std(drawn, axis=0)
+        louder = residual_levels((samples - curve) / levels, noise.rms)
+        errors *= louder
         errors += of_steps + random.standard_normal((draws, 1)) * bias
-        return cls(curve, errors, scatter, blunt, of_before)
+        return cls(curve, errors, scatter, blunt, of_before, noise=louder * drawn, beside=beside)
+
+    def against(self, sign: float, reference: Floats | float = 0.0) -> NoisyCurve:
+        """Return the curve, and what noise makes of it, less a reference, shape (n,), times a sign."""
+        noise = None if self.noise is None else sign * self.noise
+        values, errors = sign * (self.values - reference), sign * self.errors
+        return replace(self, values=values, errors=errors, noise=noise)
 
     def beyond(self, level: float) -> NoisyCurve:
         """Return the curve less the `level` that the samples before it had, with what noise makes of the

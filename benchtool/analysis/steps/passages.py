@@ -28,7 +28,7 @@ class Instant:
     """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
 
     `standard` is infinite where, because of noise, it is unknown whether the level is passed at all. `drawn`,
-    shape (draws,), are the places that noise may make of it; empty without noise.
+    shape (draws,), are the places that noise may make of it, nan where none; empty without noise.
     """
 
     place: float
@@ -62,7 +62,7 @@ class Passage:
         if len(known) < LEAST_DEFINED * len(drawn):
             return Instant(place, math.inf)
         noise = float(np.sqrt(np.mean((known - place) ** 2))) if len(known) else 0.0
-        return Instant(place, noise, tuple(known.tolist())).widened(self.reach / math.sqrt(3.0))
+        return Instant(place, noise, tuple(drawn.tolist())).widened(self.reach / math.sqrt(3.0))
 
 
 @dataclass(frozen=True)

@@ -299,8 +299,7 @@ def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float
     elif not math.isfinite(since.standard):
         reason = _UNDECIDED
     values = step.sign * step.y[:end]
-    course = replace(curve, values=step.sign * curve.values[:end])
-    found = None if reason else _arrived(step, values, course, since, band)
+    found = None if reason else _arrived(step, values, curve.against(step.sign), since, band)
     samples = len(values) - math.ceil(since.place)
     for name, which, of, uncertain in (
         ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
@@ -328,7 +327,7 @@ def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: floa
             yield undefined(f"tracking_error_{name}", definition=text, reason=reason)
         return
     error = step.sign * (step.y - step.r)
-    course = replace(curve, values=step.sign * (curve.values - step.r))
+    course = curve.against(step.sign, step.r)
     fall = step.leaves if step.leaves < len(step.r) else 0  # of a pulse, and no time since its rise counts
     found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, fall)
     window = f"signal minus reference, {left} samples after settling"
@@ -348,7 +347,7 @@ def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -
     if not len(outside) or not settled.drawn:
         return settled
     earlier = max(0.0, settled.place - float(outside[-1]))
-    drawn = np.maximum(settled.drawn, np.median(settled.drawn) - earlier)
+    drawn = np.maximum(settled.drawn, np.nanmedian(settled.drawn) - earlier)
     return replace(settled, drawn=tuple(drawn.tolist()))
 
 

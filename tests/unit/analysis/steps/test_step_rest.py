@@ -110,3 +110,19 @@ def test_a_tail_slower_than_the_rise_is_no_noise_of_a_plateau() -> None:
     mean = found["plateau_mean"].uncertainty
     assert mean is not None
     assert 4e-5 < mean.standard < 1.2e-4  # white noise 5e-5
+
+
+def test_the_greatest_error_of_an_answer_in_hum_is_not_that_of_its_first_sample() -> None:
+    way = _lag(1550, 40.0)
+    rows = np.arange(len(way))
+    phases = 2.0 * np.pi * np.arange(16)[:, np.newaxis] / 16
+    hums = 0.006 * np.cos(2.0 * np.pi * rows / 103.0 + phases)
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(len(way))
+    for hum in hums[:8:4]:
+        found = _found(way + hum + noise)
+        band = float(found["settling_time"].definition.split("within ")[1].split()[0])
+        settled = rows >= BEFORE - 40.0 * np.log(band)
+        truth = float(np.mean(np.max(np.abs(way + hums - 1.0)[:, settled], axis=1)))
+        greatest = found["tracking_error_max"]
+        assert greatest.uncertainty is not None
+        assert abs(greatest.value - truth) < 2.0 * greatest.uncertainty.standard
