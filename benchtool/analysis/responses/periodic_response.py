@@ -36,7 +36,7 @@ _HALF = 0.5  # of the power: a signal has moved on
 _SAME = 1e-6  # of the power: it is the same again
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
 _ROUNDING = 1e-12  # of the rms output, in a bin of its DFT
-_FEWEST_LEVELS = 16  # of a converter; fewer are those of a stimulus
+_FEWEST_LEVELS, _FEWEST_OF_OUTPUT = 16, 5  # of a converter; fewer of an input are those of a stimulus
 
 
 def periodic_response(
@@ -88,8 +88,8 @@ def periodic_response(
 
     left = y_bins - _between(response, excited) * x_bins
     noise = noise_power(np.sum(np.abs(left - np.mean(left, axis=0)) ** 2, axis=0) / (periods - 1.0)) / periods
-    for samples, table, passed in ((x, of_x, np.abs(response) ** 2), (y, of_y, np.ones(len(response)))):
-        noise += passed * _of_steps(samples[: periods * period], table)
+    noise += np.abs(response) ** 2 * _of_steps(x[: periods * period], of_x, _FEWEST_LEVELS)
+    noise += _of_steps(y[: periods * period], of_y, _FEWEST_OF_OUTPUT)
     noise = np.maximum(noise, _ROUNDING**2 * float(np.mean(np.abs(y_mean) ** 2)))
     error = np.sqrt(0.5 * noise / np.maximum(np.abs(response) ** 2 * power, _NOTHING * noise + tiny))
     return FrequencyResponse(
@@ -138,12 +138,14 @@ def _between(response: NDArray[np.complex128], excited: NDArray[np.bool_]) -> ND
     return np.asarray(real + 1j * imaginary)
 
 
-def _of_steps(samples: NDArray[np.float64], table: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_steps(
+    samples: NDArray[np.float64], table: NDArray[np.float64], fewest_levels: int
+) -> NDArray[np.float64]:
     """Return the power in each bin of the mean period of the errors of a converter's steps that are the same
-    in each; `table` are the samples in shape (periods, period)."""
+    in each; `table` are the samples in shape (periods, period). None of samples on fewer levels."""
     periods, period = table.shape
     bins, step = period // 2, counting_step(samples)
-    if not step > 0.0 or len(np.unique(samples)) < _FEWEST_LEVELS:
+    if not step > 0.0 or len(np.unique(samples)) < fewest_levels:
         return np.zeros(bins)
     phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / period)
     beside = float(np.mean(np.var(table, axis=0, ddof=1)))

@@ -241,3 +241,17 @@ def test_a_lag_in_noise_has_no_resonance_on_average(frequency_Hz: Floats) -> Non
         relative.append(peak_dB / standard_dB)
     assert abs(float(np.mean(relative))) < 0.4
     assert 0.5 < float(np.sqrt(np.mean(np.square(relative)))) < 1.2
+
+
+def test_steps_of_an_output_on_few_levels_are_in_the_errors() -> None:
+    numerator, denominator = _lag(120.0)
+    x = _lines(6)
+    y = signal.lfilter(numerator, denominator, x)[PERIOD:]
+    step = 0.5 * float(np.std(y))
+    read = step * np.round(y / step + 0.2)
+    assert 5 < len(np.unique(read)) < 16
+    found = periodic_response(x[PERIOD:], read, RATE_HZ, PERIOD)
+    low = found.excited & (found.frequency_Hz < 500.0)
+    _, truth = signal.freqz(numerator, denominator, worN=found.frequency_Hz[low], fs=RATE_HZ)
+    off = np.abs(found.response[low] / truth - 1.0) / (np.sqrt(2.0) * found.error[low])
+    assert 0.7 < float(np.sqrt(np.mean(off**2))) < 1.4
