@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.statistics.clicks import clicks_apart
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
 from benchtool.analysis.statistics.scatter import (
@@ -40,6 +41,7 @@ _MOST_VALUES = 1 << 22  # of all draws together, 32 MiB
 _FAR = 3.0  # standard deviations by which a value may be greater
 _STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
 _OF_TAIL, _OF_HEAVY_TAIL = 40, 10  # one sample in so many is of the tail, or of one known to be heavy
+_LARGEST = 20  # deviations that tell whether both tails are alike
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _PLACES = 32  # in which an instant may be, each as likely
@@ -251,6 +253,10 @@ class ArrivedSamples:
             tails = (tail_index(deviations, _OF_TAIL),)
         maxima = _maxima(deviations)
         scatter = scatter_of_largest(maxima, *tails)
+        if self._is_heavy:
+            alike = _alike(deviations)
+            of_both = scatter_of_largest(_maxima(np.abs(deviations)), *tails)
+            scatter = math.sqrt((1.0 - alike) * scatter**2 + alike * of_both**2)
         rest = slice(-self.at_rest, None)  # all of them where none are at rest
         if not any(tails) and is_no_heavier_than_normal(self.values[rest] - self.course[rest]):
             return min(scatter, scatter_of_largest_of_normal(maxima, self.noise.rms))
@@ -270,6 +276,8 @@ class ArrivedSamples:
             noise = np.resize(self._settled - np.mean(self._settled), count)
             begins = random.integers(0, count, draws).tolist()
             drawn = np.array([np.roll(noise, begin) for begin in begins])
+            if self._is_heavy:  # what is far on one side may as well be on the other
+                drawn[random.random(draws) < 0.5 * _alike(noise)] *= -1.0
         else:
             drawn = self.noise.draw(random, (draws, count))
         return np.asarray(self.course + self.of_rest * drawn)
@@ -391,6 +399,16 @@ def _rest(curve: Floats, first: int, band: float, noise: float, event: int) -> i
     rest = max(first, event + _AT_REST * took, min(event + _IF_ROOM * took, (first + end) // 2))
     later = end_of_tail(away, band, noise)
     return later if rest < later <= end - (end - first) // _IF_ROOM else rest
+
+
+def _alike(deviations: Floats) -> float:
+    """Return how probable it is that the tails of deviations about zero, shape (n,), are alike on both sides:
+    by how many of the largest are on the side of fewer, whose number is binomial then."""
+    largest = deviations[np.argsort(np.abs(deviations))[-_LARGEST:]]
+    fewer = min(int(np.count_nonzero(largest > 0.0)), int(np.count_nonzero(largest < 0.0)))
+    ways = sum(math.comb(len(largest), each) for each in range(fewer + 1))
+    odds = least_odds(min(1.0, 2.0 * ways / 2.0 ** len(largest)))
+    return odds / (1.0 + odds)
 
 
 def _maxima(deviations: Floats) -> Floats:
