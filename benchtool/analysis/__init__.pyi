@@ -141,7 +141,7 @@ from .torque.ripple import (
     ripple_numbers as ripple_numbers,
     ripple_of_rows as ripple_of_rows,
 )
-from .torque.ripple_scatter import percentile_range as percentile_range
+from .torque.ripple_percentiles import percentile_range as percentile_range
 from .torque.torque import (
     torque_ripple as torque_ripple,
     transducer_torque as transducer_torque,

@@ -28,6 +28,7 @@ from benchtool.analysis.statistics.scatter import (
     error_of_series,
     is_memory_untold,
 )
+from benchtool.analysis.torque.between_samples import BETWEEN, between_samples
 from benchtool.analysis.torque.ripple import peak_to_peak_number
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -143,7 +144,9 @@ def _measurements(
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
     of_both = Contribution("resolution", "B", steps.of_span(step))
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
-    yield measured("flux_radius_pp", text, span, extremes, of_both, content=Extremes())
+    between = between_samples(whole, turns)
+    missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
+    yield measured("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
     text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square

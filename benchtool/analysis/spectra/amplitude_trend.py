@@ -35,7 +35,7 @@ class AmplitudeTrend:
     `of_level` its standard uncertainty against the mean over periods; `apart` is by how much that mean is off
     it; `deviation` is that and how far a mean over phases is from one over time. `rest`, shape (periods,), is
     what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first period
-    to the end of the last; a step is no growth.
+    to the end of the last; a step is no growth. One that `swings` is a sinusoid.
     """
 
     curve: Callable[[Floats], Floats]
@@ -45,6 +45,7 @@ class AmplitudeTrend:
     apart: float
     rest: Floats
     growth: float
+    swings: bool
 
 
 def amplitude_trend(
@@ -97,6 +98,7 @@ def amplitude_trend(
             apart=abs(apart),
             rest=rest,
             growth=growth,
+            swings=about is not None,
         )
     return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,15 +14,10 @@ from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities, Sensitivity
 from benchtool.analysis.statistics.scatter import FEWEST_EXTREMES, TOO_SLOW, MeanError
-from benchtool.analysis.torque.ripple_extremes import FEWEST_PERIODS
-from benchtool.analysis.torque.ripple_scatter import (
-    HIGH_PERCENT,
-    LOW_PERCENT,
-    Periods,
-    Scatter,
-    percentile_range,
-    scatter_of_periods,
-)
+from benchtool.analysis.torque.between_samples import BETWEEN
+from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
+from benchtool.analysis.torque.ripple_percentiles import HIGH_PERCENT, LOW_PERCENT, percentile_range
+from benchtool.analysis.torque.ripple_scatter import Scatter, scatter_of_periods
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, held_rows, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
@@ -231,6 +226,7 @@ def _numbers(
         sensitivities: Sensitivities,
         bound: float = 0.0,
         slow: float = 0.0,
+        missed: float = 0.0,
     ) -> Measurement:
         full = f"{name}_{suffix}"
         if clipped:
@@ -244,6 +240,7 @@ def _numbers(
             error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
             Contribution(f"resolution {step:.3g} {unit}", "B", floor),
             Contribution("noise too slow for the record", "B", slow),
+            Contribution(BETWEEN, "B", missed),
         )
         source = f"{budget[0].name}, resolution"
         lines = tuple(each for each in budget if each.standard != 0.0)
@@ -299,6 +296,7 @@ def _numbers(
         Sensitivities.of_extremes(channel, range_between),
         step,
         slow=of_range,
+        missed=_missed(scatter, percentile_range),
     )
     reason = clipped or _no_base(mean, whole, name)
     for number in (peak_to_peak, rms):
@@ -343,6 +341,8 @@ def _peak_to_peak(
     # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
     budget = [Contribution(f"resolution {step:.3g} {whole.unit}", "B", step / math.sqrt(6.0))] if step else []
     budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
+    if missed := _missed(scatter, np.ptp):
+        budget.append(Contribution(BETWEEN, "B", missed))
     source = (
         f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
         f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
@@ -350,6 +350,11 @@ def _peak_to_peak(
     )
     uncertain = _of_two_readings(combined(budget, source), step)
     return Measurement(name, value, whole.unit, text, basis, uncertain, sensitivities=sensed)
+
+
+def _missed(scatter: Scatter | None, number: Callable[[NDArray[np.float64]], float]) -> float:
+    """Return by how much samples at the same places of all periods miss a number of the curve."""
+    return 0.0 if scatter is None or scatter.between is None else scatter.between.error_of(number)
 
 
 def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty | None:

@@ -24,11 +24,9 @@ from benchtool.analysis.statistics.scatter import (
     scatter_of_largest,
     tail_index,
 )
+from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
 
 Floats = NDArray[np.float64]
-
-FEWEST_PERIODS = 3
-"""Fewest periods whose scatter is used."""
 
 _SAMPLES_OF_TAIL = 1 << 17
 _IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it

@@ -142,7 +142,8 @@ _NUMBERS: Final = (
         "twentieth of the samples says; "
         "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the "
         "ripple grows or falls over the whole record; "
-        "and resolution / sqrt(6), in U a whole step",
+        "of samples at the same places of all periods the root mean square by which they miss the extremes "
+        "of the curve between them; and resolution / sqrt(6), in U a whole step",
     ),
     (
         ("ripple_rms",),
@@ -156,11 +157,13 @@ _NUMBERS: Final = (
         "Nm",
         "99.5th - 0.5th percentile",
         "s of the periods' shares beyond the percentiles, less those expected of slow sinusoids and of a "
-        "drift, x what the percentile moves with them x sqrt(tau / N_p), or by the density at zero frequency "
+        "drift, of the mean and of the ripple's size as in a beat, x what the percentile moves with them x "
+        "sqrt(tau / N_p), or by the density at zero frequency "
         "that does not fall; up to sqrt(1 + 2 / n) times as much where n of the periods, fewer than half, "
         "hold what is beyond; 1.27 s of those of eighths of the record, or of few single periods, / sqrt(n) "
         "besides, where the ripple's size differs by more and neighbours have it alike, or periods are few; "
-        "where in a slow cycle the record begins; resolution / sqrt(6), "
+        "where in a slow cycle the record begins; the curve between samples as for max - min; "
+        "resolution / sqrt(6), "
         "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods, or of "
         "values that are held and fewer than 18 in a period",
     ),

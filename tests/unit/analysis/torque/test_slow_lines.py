@@ -117,6 +117,22 @@ def test_a_percentile_knows_the_share_of_a_slow_cycle() -> None:
     assert 0.8 * scatter < stated < 4.0 * scatter
 
 
+@pytest.mark.parametrize("beside", [6.083, 6.23])
+def test_a_percentile_knows_the_share_of_a_beat(beside: float) -> None:
+    turned = 2 * np.pi * np.arange(round(40.3 * PER_PERIOD)) / PER_PERIOD
+    found = []
+    for seed in range(20):
+        begin = np.random.default_rng([seed, 9]).uniform(0.0, 2 * np.pi)
+        beats = record(40.3, seed) + 0.03 * np.cos(beside * turned + begin)
+        found.append(measured(beats)["torque_ripple_percentile_range"])
+
+    scatter = np.std([each.value for each in found], ddof=1)
+    stated = [each.uncertainty.standard for each in found if each.uncertainty]
+
+    assert len(stated) == len(found)
+    assert 0.3 < scatter / np.sqrt(np.mean(np.square(stated))) < 1.6
+
+
 def test_a_beat_of_half_the_record_has_no_peak_to_peak() -> None:
     turned = 2 * np.pi * np.arange(round(50.2 * PER_PERIOD)) / PER_PERIOD
     torque = record(50.2, 5) + 0.05 * np.cos(6.009 * turned)

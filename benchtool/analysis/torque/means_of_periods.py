@@ -1,0 +1,186 @@
+"""Means of a series over what repeats, and their error by what is neither a slow line nor a course in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
+from benchtool.analysis.statistics.neighbours import neighbours_alike
+from benchtool.analysis.statistics.scatter import MeanError, at_lowest_frequencies, error_of_series
+from benchtool.analysis.torque.slow_lines import SlowLines, slow_lines
+
+Floats = NDArray[np.float64]
+
+FEWEST_PERIODS = 3
+"""Fewest periods whose scatter is used."""
+
+_ALIKE = 3.0  # standard deviations of a correlation
+_OF_LAST = 16  # one in so many
+
+
+@dataclass(frozen=True)
+class Periods:
+    """What repeats in a record: the rows at which it begins, shape (periods + 1,), the first 0, the last the
+    row after the last; `name` says what it is. `per_revolution` of them make one of the rotor, 1 where that
+    is not known. `marks`, of the same shape, are the sample numbers up to which a row is before, if they are
+    known."""
+
+    rows: NDArray[np.int64]
+    name: str = "electrical periods"
+    per_revolution: int = 1
+    marks: Floats | None = None
+
+    def __len__(self) -> int:
+        return len(self.rows) - 1
+
+    @property
+    def edges(self) -> Floats:
+        """The marks, or the rows where they are not known."""
+        return self.rows.astype(np.float64) if self.marks is None else self.marks
+
+    @property
+    def turns(self) -> Floats:
+        """Where the rows of all periods are, from 0 to their number, shape (n,)."""
+        return np.asarray(np.interp(np.arange(self.rows[-1]), self.edges, np.arange(len(self) + 1.0)))
+
+    def means(self, series: Floats) -> Floats:
+        """Return the means of a series, shape (n,), over each period, from mark to mark: of the row that a
+        mark parts both have their share, as what the rounding to rows brings to one it takes from the
+        next."""
+        sums = np.add.reduceat(series[: self.rows[-1]], self.rows[:-1])
+        parted = (self.rows - self.edges) * series[np.maximum(self.rows - 1, 0)]
+        return np.asarray((sums - np.diff(parted)) / np.diff(self.edges))
+
+    def places(self, rows: Floats) -> Floats:
+        """Return how far through all of them rows, shape (n,), are, from 0 to 1; behind them it is more, at
+        the pace of the last."""
+        within = np.interp(rows, self.rows, np.arange(len(self.rows)) / len(self))
+        last = float(self.rows[-1] - self.rows[-2])
+        return np.asarray(within + np.maximum(0.0, rows - self.rows[-1]) / (last * len(self)))
+
+
+@dataclass(frozen=True)
+class Course:
+    """Course of few constants over a record, from 0 to 1: `size` times a curve. One that `swings` goes on
+    beyond it, as it does in other records from another place on."""
+
+    curve: Callable[[Floats], Floats]
+    size: float
+    swings: bool
+
+    def at(self, place: Floats, later: float = 0.0) -> Floats:
+        """Return it at places, shape (n,), in a record that begins a share of one later."""
+        return self.size * self.curve(place + later if self.swings else place)
+
+
+@dataclass(frozen=True)
+class MeanOverPeriods:
+    """Mean of a series without what its incomplete period and the incomplete cycles of its slow lines make of
+    it, and its error by what is `left` without these `lines`, shape (n,), and without the `course` of few
+    constants that the means of the periods have besides, if they have one."""
+
+    left: Floats
+    mean: float
+    error: MeanError
+    lines: SlowLines | None
+    course: Course | None
+
+    @property
+    def of_lines(self) -> float:
+        """Mean square of the lines, 0 where they are not told from each other: then they are another
+        course together."""
+        return self.lines.mean_square if self.lines is not None and self.lines.are_apart else 0.0
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether there is neither a line that is told nor a course."""
+        return not self.of_lines and self.course is None
+
+    def slowly(self, place: Floats, later: float = 0.0) -> Floats:
+        """Return the sum of lines, which are told from each other, and course at places, shape (n,), from 0
+        to 1, in a record that begins a share of one later."""
+        found: Floats = np.zeros(len(place))
+        if self.lines is not None and self.lines.are_apart:
+            found += self.lines.at(place + later)
+        if self.course is not None:
+            found += self.course.at(place, later)
+        return found
+
+
+def mean_over_periods(
+    series: Floats, repeats: Periods, *, pooled: bool = True, may_fall: bool = False
+) -> MeanOverPeriods:
+    """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
+    course of few constants, such as a drift; of few periods `pooled` with its density."""
+    rows, periods = repeats.rows, len(repeats)
+    place = repeats.places(np.arange(0.5, len(series)))
+    lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
+    left = series if lines is None else series - lines.at(place)
+    incomplete, not_repeated = _of_incomplete(left, repeats)
+    of_cycles = 0.0 if lines is None else lines.mean_at(place)
+    mean, rest = float(np.mean(series)) - of_cycles - incomplete, left[: rows[-1]]
+    means = repeats.means(left)
+    middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
+    trend = amplitude_trend(1.0 + (means - middle) / size) if size > 0.0 else None
+    if trend is not None:
+        error = _times(size, error_of_series(trend.rest), trend.apart)
+    else:
+        length = float(repeats.edges[-1])
+        by_parts = error_of_series(means)
+        error = at_lowest_frequencies(rest, by_parts, periods, length, pooled=pooled, may_fall=may_fall)
+    of_mean = 1.0 if lines is None else lines.of_mean
+    error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
+    course = None if trend is None else Course(trend.curve, size, trend.swings)
+    return MeanOverPeriods(left, mean, error, lines, course)
+
+
+def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
+    """Return by how much the incomplete period behind the whole ones moves the mean of a series, shape (n,),
+    and how much that differs from period to period: as much of each whole one has another mean than all of
+    it, but for a drift.
+
+    Where the speed drifts, the whole periods' mean over time is not that over angle either: by parts, they
+    differ by the mean of the ripple's integral times the change of the period.
+    """
+    edges = repeats.edges
+    begin, counts = edges[:-1], np.diff(edges)
+    over = len(series) - float(edges[-1])
+    parts = np.minimum(over * counts / counts[-1], counts)
+    if not over > 0.0:
+        return 0.0, 0.0
+    number = np.arange(len(series) + 1)
+    sums = np.concatenate([[0.0], np.cumsum(series - np.mean(series))])
+    before, within, after = (np.interp(each, number, sums) for each in (begin, begin + parts, edges[1:]))
+    of_parts = (within - before) / parts
+    of_whole = (after - before) / counts
+    drift = float(of_whole[-1] - of_whole[0]) / float(begin[-1] - begin[0])
+    apart = of_parts - of_whole + drift * 0.5 * (counts - parts)
+    differs = float(np.std(apart, ddof=1))
+    if neighbours_alike(apart) > _ALIKE:  # the last ones are more like it, as where a drift is not followed
+        apart = apart[-max(FEWEST_PERIODS, len(apart) // _OF_LAST) :]
+        # they go on to change as they do
+        differs = max(float(np.std(apart, ddof=1)), abs(float(apart[-1] - apart[0])))
+    rows, whole = repeats.rows, np.diff(repeats.rows)
+    integrals = sums[1 : rows[-1] + 1] - np.repeat(sums[rows[:-1]], whole)
+    integral = float(np.mean(np.add.reduceat(integrals, rows[:-1]) / whole**2))
+    of_speed = -integral * _growth(whole)
+    moved = (float(np.mean(apart)) * over + of_speed) / len(series)
+    return moved, differs * over / len(series)
+
+
+def _growth(counts: NDArray[np.int64]) -> float:
+    """Return by how many rows periods grow over the record, by a straight line; 0 where whole rows alone may
+    make it, each count being off by the difference of two roundings."""
+    slope = float(np.polyfit(np.arange(len(counts)), counts, 1)[0])
+    growth = slope * (len(counts) - 1)
+    of_rows = math.sqrt(2.0 / len(counts))  # sqrt(1/6 x 12 / n)
+    return growth if abs(growth) > 2.0 * of_rows else 0.0
+
+
+def _times(size: float, error: MeanError, deviation: float) -> MeanError:
+    return MeanError(size * math.hypot(error.standard, deviation), error.dof)
