@@ -18,9 +18,9 @@ from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_
 from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
+from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.statistics.scatter import (
-    FEWEST_EXTREMES,
     MeanError,
     at_lowest_frequencies,
     error_of_periods,

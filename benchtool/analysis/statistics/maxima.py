@@ -13,14 +13,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.statistics.clicks import normal_above
-from benchtool.analysis.statistics.scatter import extreme_over_excess, moment_estimate
 
 Floats = NDArray[np.float64]
 
@@ -32,9 +30,6 @@ _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the 
 _LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
 _OF_HEAP, _APART = 3, 20.0  # maxima, and widths: of an exponential tail once in two thousand records
 _IN_NEXT = 1.0 - math.sqrt(0.5)
-_OF_HEAVY, _FEWEST_OF_HEAVY = 20, 20  # one value in so many is of a heavy tail; values
-_NORMAL = tuple(NormalDist().inv_cdf((each + 0.5) / 16) for each in range(16))  # as likely as each other
-_NORMAL_OVER_WIDTH, _OF_HEAVY_WIDTH = math.sqrt(math.pi), 0.5  # of an L-moment; so of tails of index 1/3
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
 
@@ -47,7 +42,7 @@ def scatter_of_largest_maximum(maxima: Floats, least: float = 0.0) -> float:
     size = max(1, round(len(maxima) / _MOST_MAXIMA))
     blocks = np.sort(np.max(maxima[: len(maxima) - len(maxima) % size].reshape(-1, size), axis=1))
     count = len(blocks)
-    width, skewness = _l_moments(blocks)
+    width, skewness = l_moments(blocks)
     if not width > 0.0:
         return least
     # of the ratio of normal values; of other shapes it is much the same
@@ -72,32 +67,6 @@ def scatter_of_heap(maxima: Floats) -> float:
     gaps, widths = ordered[_OF_HEAP - 1 : -1] - ordered[_OF_HEAP:], ordered[0] - ordered[_OF_HEAP - 1 : -1]
     ends = np.flatnonzero(gaps > _APART * widths)
     return math.sqrt(_IN_NEXT * (1.0 - _IN_NEXT)) * float(gaps[ends[0]]) if len(ends) else 0.0
-
-
-def scatter_of_largest_heavy(deviations: Floats, maxima: Floats) -> float:
-    """Return the standard deviation of the largest of independent deviations, shape (n,), about zero, whose
-    tails are heavier than normal ones, over records of as many; 0 where `maxima`, shape (periods,), of what
-    they are in differ by clearly less than theirs, as where the largest deviations are beside its crests.
-
-    Peaks over threshold: the twentieth of them that is largest tells the scale, where the largest of few
-    maxima are hardly known, and each index of the tail that it allows counts the same (Embrechts, Klüppelberg
-    and Mikosch, Modelling Extremal Events, 6.5).
-    """
-    above, top = np.maximum(deviations - np.median(deviations), 0.0), len(deviations) // _OF_HEAVY
-    if top < _FEWEST_OF_HEAVY:
-        return 0.0
-    largest = np.partition(above, len(above) - top - 1)[len(above) - top - 1 :]
-    index, standard = moment_estimate(above, top)
-    indices = [index + standard * each for each in _NORMAL]
-    excess = float(np.mean(largest) - np.min(largest)) * (top + 1.0) / top
-    of_all, of_one = (
-        excess * math.sqrt(sum(extreme_over_excess(each, count) ** 2 for each in indices) / len(indices))
-        for count in (top, max(1, top // len(maxima)))
-    )
-    width, _ = _l_moments(np.sort(maxima))
-    # less two of its own standard deviations, each of some 1 / sqrt(n)
-    least = _OF_HEAVY_WIDTH * max(0.0, 1.0 - 2.0 / math.sqrt(len(maxima))) * of_one
-    return of_all if width * _NORMAL_OVER_WIDTH > least else 0.0
 
 
 def is_no_heavier_than_normal(deviations: Floats) -> bool:
@@ -155,7 +124,7 @@ def _excess(deviations: Floats) -> float:
     return float(np.mean(relative**4)) / float(np.mean(relative**2)) ** 2 - 3.0
 
 
-def _l_moments(ordered: Floats) -> tuple[float, float]:
+def l_moments(ordered: Floats) -> tuple[float, float]:
     """Return the second L-moment of values in order, shape (n,), and the ratio of the third to it."""
     count, place = len(ordered), np.arange(len(ordered))
     once = place / (count - 1.0)

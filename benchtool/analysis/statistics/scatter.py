@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 from numpy import fft
@@ -22,9 +20,6 @@ _PARTS, _MOST_PARTS = 10, 64
 _FEWEST_VALUES = 3
 _BY_CHANCE, _CLEARLY, _WITHOUT_DOUBT = 2.5, 2.0, 2.5  # standard deviations of a correlation
 _FEWEST_INDEPENDENT = 4.0  # values that a record must hold
-FEWEST_EXTREMES = 4
-"""Fewest values whose largest tell how it scatters."""
-
 TOO_SLOW = "it wanders more slowly than the record shows: record longer, or choose a window in steady state"
 """Why a mean has no uncertainty."""
 
@@ -40,19 +35,8 @@ _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlatio
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
 _ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
 _NOT_NOISE, _MAYBE_CORRELATED = 1e-4, 0.0  # by chance; standard deviations of a correlation
-_OF_ROOT = 1.5  # largest values, over the root of how many there are
-_FEW_MAXIMA, _OF_THEIR_OWN = 20, 0.6  # values, and of the deviation of all
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
-_NEIGHBOURS = 2  # values that count as one by chance alone
-_GUMBEL = math.pi / math.sqrt(6.0)
-_EXPONENTIAL, _HEAVIEST = 0.02, 0.4  # index of a tail: below it is none, above it has no variance to speak of
-_OF_TAIL, _FEWEST_OF_TAIL, _MOST_OF_TAIL = 100, 20, 2000  # one value in so many is of the tail
-_INDICES = 16  # of a tail, each as likely
-_DIFFERS = 3.0  # standard deviations of an index
-_FEWEST_OVER_TAIL = (
-    4  # times the values of the tail: fewer are hardly beyond the middle of their distribution
-)
 
 
 @dataclass(frozen=True)
@@ -340,130 +324,3 @@ def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.empty(0)
     size = len(samples) // parts
     return np.asarray(np.mean(samples[: size * parts].reshape(parts, size), axis=1))
-
-
-def scatter_of_largest(values: NDArray[np.float64], *tails: float) -> float:
-    """Return standard deviation of the largest of values, shape (n,), over records of as many; nan if n < 4.
-
-    Beyond a high level the values of most distributions fall off exponentially; the largest then has Gumbel's
-    distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
-    Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index that
-    `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's; of several indices,
-    each as likely, the mean of the variances is taken. Of correlated
-    values few maxima are left, whose top says little: their own deviation, or that above the median where it
-    is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
-    deviation of all are the least.
-    """
-    if len(values) < FEWEST_EXTREMES:
-        return math.nan
-    # the largest of as many neighbours as are correlated counts as one
-    apart = math.ceil(len(values) / (error_of_series(values).dof + 1.0) - 1e-9)
-    least = 0.0
-    if 1 < apart <= len(values) // FEWEST_EXTREMES:
-        values = np.maximum.reduceat(values, np.arange(0, len(values), apart))
-        if apart > _NEIGHBOURS:
-            least = min(float(np.std(values, ddof=1)), _above_median(values))
-    count = len(values)
-    # fewer are low by chance where the largest is, and its error then is many times what they say
-    beyond = max(FEWEST_EXTREMES - 1, round(_OF_ROOT * math.sqrt(count)))
-    if count <= _FEW_MAXIMA:
-        least = max(least, _OF_THEIR_OWN * float(np.std(values, ddof=1)))
-    top = np.partition(values, count - beyond - 1)[count - beyond - 1 :]
-    excess = float(np.sum(top - np.min(top))) / beyond / _of_gumbel(count, beyond)
-    square = (
-        sum(extreme_over_excess(tail, beyond) ** 2 for tail in tails) / len(tails) if tails else _GUMBEL**2
-    )
-    return max(least, math.sqrt(square) * excess)
-
-
-def _above_median(values: NDArray[np.float64]) -> float:
-    """Return the root mean square of how far values, shape (n,), are above their median: the largest does not
-    scatter by what is below."""
-    above = values - np.median(values)
-    above = above[above > 0.0]
-    return float(np.sqrt(np.sum(above**2) / max(1.0, len(values) // 2 - 0.5))) if len(above) else 0.0
-
-
-@cache
-def _of_gumbel(count: int, beyond: int) -> float:
-    """Return the mean excess of the `beyond` largest of `count` values over the next, on average, of Gumbel's
-    distribution of scale 1, by its quantiles at (i - 1/2) / n: above few values its tail has not begun."""
-    share = (np.arange(count - beyond - 1, count) + 0.5) / count
-    places = -np.log(-np.log(share))
-    return float(np.mean(places[1:]) - places[0])
-
-
-def extreme_over_excess(tail: float, beyond: int) -> float:
-    """Return the standard deviation of the largest of `beyond` excesses on average, over their mean.
-
-    Of generalised Pareto excesses of scale s and index x the mean is s / (1 - x), the largest of n behaves as
-    s ((n / e)^x - 1) / x with e exponential.
-    """
-    tail = min(tail, _HEAVIEST)
-    if abs(tail) <= _EXPONENTIAL:
-        return _GUMBEL
-    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / abs(tail)
-    return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
-
-
-def tail_index(deviations: NDArray[np.float64], of_tail: int = _OF_TAIL) -> float:
-    """Return the index of the tails of deviations about zero, shape (n,): above 0 for power laws, 0 for
-    exponential tails and for lighter ones, and where the values are too few to tell.
-
-    The moment estimator over the largest of the magnitudes, one in `of_tail` (Dekkers, Einmahl and de Haan,
-    Ann. Statist. 17 (1989) 1833), which of normal values is below zero; where it is above by its own standard
-    deviation, with that added: a tail that is found too light gives an extreme that is far too certain. A few
-    that are far larger than all others are a tail of their own: where an octave of the largest or more has
-    clearly less, half as many are taken, and so on (Drees and Kaufmann, Stoch. Process. Appl. 75 (1998) 149).
-    """
-    top = min(len(deviations) // of_tail, _MOST_OF_TAIL)
-    if top < _FEWEST_OF_TAIL:
-        return 0.0
-    size = np.abs(deviations)
-    tops = [top >> octave for octave in range(int(math.log2(top / _FEWEST_OF_TAIL)) + 1)]
-    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
-    found = [moment_estimate(largest, each) for each in tops]
-    index, standard = next(each for number, each in enumerate(found) if _is_of_all(each, found[number + 1 :]))
-    return index + standard if index > standard else 0.0
-
-
-def _is_of_all(found: tuple[float, float], further: list[tuple[float, float]]) -> bool:
-    """Return whether an index and its standard deviation are not clearly above those further out."""
-    index, standard = found
-    # of nested samples, the variance of a difference is the difference of variances
-    return all(index - of <= _DIFFERS * math.sqrt(max(0.0, u**2 - standard**2)) for of, u in further)
-
-
-def tail_indices_of_heavy(deviations: NDArray[np.float64], of_tail: int) -> tuple[float, ...]:
-    """Return indices, each as likely, of the tails of deviations about zero, shape (n,), that are known to be
-    heavier than normal ones, by their kurtosis say; none where the values are too few to tell.
-
-    That of exponential tails is then as little known as that of a power law: the moment estimator over the
-    largest twenty at least has a normal error, and the index is none below 0. Far more than in proportion to
-    the index does the largest value scatter: one in the middle of these gives too little.
-    """
-    top = min(max(len(deviations) // of_tail, _FEWEST_OF_TAIL), _MOST_OF_TAIL)
-    if len(deviations) <= _FEWEST_OVER_TAIL * top:
-        return ()
-    index, standard = moment_estimate(np.abs(deviations), top)
-    if not standard > 0.0:
-        return ()
-    found = NormalDist(index, standard)
-    below = found.cdf(0.0)
-    shares = below + (1.0 - below) * (np.arange(_INDICES) + 0.5) / _INDICES
-    return tuple(found.inv_cdf(each) for each in shares.tolist() if each < 1.0)
-
-
-def moment_estimate(size: NDArray[np.float64], top: int) -> tuple[float, float]:
-    """Return the index of the tail of magnitudes, shape (n,), over so many of the largest, and its standard
-    deviation; 0 and 0 where these show none."""
-    largest = np.partition(size, len(size) - top - 1)[len(size) - top - 1 :]
-    least = float(np.min(largest))
-    if not least > 0.0:
-        return 0.0, 0.0
-    logs = np.log(largest / least)
-    first, second = float(np.sum(logs)) / top, float(np.sum(logs**2)) / top
-    if not second > 0.0 or first**2 >= second:
-        return 0.0, 0.0
-    index = first + 1.0 - 0.5 / (1.0 - first**2 / second)
-    return index, math.sqrt((1.0 + index**2) / top)

@@ -12,18 +12,18 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation.resolution import counting_step
-from benchtool.analysis.sensitivity import Sensitivities, Sensitivity
-from benchtool.analysis.statistics.scatter import FEWEST_EXTREMES, TOO_SLOW, MeanError
+from benchtool.analysis.sensitivity import Sensitivities
+from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
+from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.torque.between_samples import BETWEEN
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
+from benchtool.analysis.torque.ripple_percent import no_base, percent
 from benchtool.analysis.torque.ripple_percentiles import HIGH_PERCENT, LOW_PERCENT, percentile_range
 from benchtool.analysis.torque.ripple_scatter import Scatter, scatter_of_periods
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 from benchtool.analysis.validity import clipping, held_rows, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
 
-_SMALLEST_MEAN = 0.02  # share of the peak-to-peak ripple below which "percent of mean" has no meaning
-_SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to it is one
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
@@ -148,13 +148,16 @@ def ripple_of_rows(
     if marks is not None:
         repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
+    unknown = held = ""
     if scatter is None or marks is None:
         unknown = _without_periods(marks, repeated, no_periods)
     else:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
-        unknown = _few_updates(samples, marks, repeated)
-        scatter = replace(scatter, percentile_range=None) if unknown else scatter
-    numbers = _numbers(samples, whole, scatter, unknown, step, name, what, rated, basis, channel or what)
+        held = _few_updates(samples, marks, repeated)
+        scatter = replace(scatter, percentile_range=None) if held else scatter
+    numbers = _numbers(
+        samples, whole, scatter, unknown, held, step, name, what, rated, basis, channel or what
+    )
     return tuple(numbers)
 
 
@@ -206,6 +209,7 @@ def _numbers(
     whole: Ripple,
     scatter: Scatter | None,
     unknown: str,
+    held: str,
     step: float,
     name: str,
     what: str,
@@ -213,6 +217,7 @@ def _numbers(
     basis: Basis,
     channel: str,
 ) -> Iterator[Measurement]:
+    """Yield the numbers of a ripple; `unknown` is why there is no scatter, `held` why none of percentiles."""
     unit = whole.unit
     clipped = clipping(samples) or standing(samples)
     without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
@@ -232,7 +237,7 @@ def _numbers(
         if clipped:
             return Measurement.undefined(full, unit, text, clipped, basis)
         if scatter is None or error is None:
-            why = unknown or _TOO_FEW_EXTREMES
+            why = unknown or held or _TOO_FEW_EXTREMES
             return Measurement(
                 full, value, unit, text, basis, uncertainty_reason=why, sensitivities=sensitivities
             )
@@ -274,7 +279,7 @@ def _numbers(
     )
     yield mean
     peak_to_peak = _peak_to_peak(
-        f"{name}_ripple_pp", what, whole, scatter, "" if scatter else unknown, step, basis, channel, clipped
+        f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, channel, clipped
     )
     yield peak_to_peak
     rms = measured(
@@ -298,24 +303,14 @@ def _numbers(
         slow=of_range,
         missed=_missed(scatter, percentile_range),
     )
-    reason = clipped or _no_base(mean, whole, name)
+    reason = clipped or no_base(mean, whole.peak_to_peak, name)
     for number in (peak_to_peak, rms):
-        yield _percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason, mean)
+        yield percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason, mean)
     if rated is not None:
         reason = clipped or ("" if rated > 0.0 else f"it is {rated:g} {unit}")
         for number in (peak_to_peak, rms):
             base = f"rated {name} of {rated:g} {unit}"
-            yield _percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
-
-
-def _no_base(mean: Measurement, whole: Ripple, name: str) -> str:
-    """Return why no percentage of the mean is given; empty if the mean is far enough from zero."""
-    size = abs(whole.mean)
-    if size <= _SMALLEST_MEAN * whole.peak_to_peak:
-        return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
-    if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
-        return f"the mean {name} cannot be distinguished from zero"
-    return ""
+            yield percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
 
 
 def _peak_to_peak(
@@ -368,57 +363,3 @@ def _of_two_readings(uncertain: Uncertainty | None, step: float) -> Uncertainty 
     of_step = step / math.sqrt(6.0)
     rest = math.sqrt(max(0.0, uncertain.experimental**2 - of_step**2))
     return replace(uncertain, half_width=math.hypot(step, coverage_factor(uncertain.dof) * rest))
-
-
-def _percent(
-    number: Measurement,
-    prefix: str,
-    suffix: str,
-    base: float,
-    base_text: str,
-    reason: str,
-    base_number: Measurement | None = None,
-) -> Measurement:
-    which = "_rms" if number.name.endswith("_rms") else ""
-    name, text = f"{prefix}{which}_percent_{suffix}", f"100 x {number.name} / {base_text}"
-    basis = Basis(**{**vars(number.basis), "reference": base_text})
-    if reason:
-        return Measurement.undefined(name, "%", text, reason, basis)
-    scale, uncertain = 100.0 / base, None
-    if number.uncertainty is not None and (base_number is None or base_number.uncertainty is not None):
-        own = number.uncertainty
-        budget = [own.line(number.name, scale)]
-        width = None if own.half_width is None else scale * own.half_width
-        of_base = None if base_number is None else base_number.uncertainty
-        if base_number is not None and of_base is not None:
-            share = scale * number.value / base
-            budget.append(of_base.line(base_number.name, share))
-            width = None if width is None else math.hypot(width, share * of_base.expanded)
-        uncertain = combined(budget, " and ".join(each.name for each in budget), half_width=width)
-    why = number.uncertainty_reason or (base_number.uncertainty_reason if base_number is not None else "")
-    value, why = scale * number.value, why if uncertain is None else ""
-    return Measurement(
-        name,
-        value,
-        "%",
-        text,
-        basis,
-        uncertain,
-        uncertainty_reason=why,
-        sensitivities=_of_percent(number, scale, base_number),
-    )
-
-
-def _of_percent(number: Measurement, scale: float, mean: Measurement | None) -> Sensitivities:
-    """Return those of a ripple in percent of a `mean`, whose gain is the ripple's, or of a rated value."""
-    whole = number.sensitivities
-    parts = tuple(
-        Sensitivity(
-            each.channel,
-            scale * each.gain if mean is None else 0.0,
-            0.0 if mean is None else -scale * number.value / mean.value,
-            scale * each.resolution,
-        )
-        for each in whole.channels or ()
-    )
-    return replace(whole, channels=parts)

@@ -10,20 +10,16 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
+from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES, HeavyTail, scatter_of_largest
 from benchtool.analysis.statistics.maxima import (
     ends_before_normal,
     is_no_heavier_than_normal,
     scatter_of_heap,
-    scatter_of_largest_heavy,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
 from benchtool.analysis.statistics.neighbours import neighbours_alike
-from benchtool.analysis.statistics.scatter import (
-    FEWEST_EXTREMES,
-    scatter_of_largest,
-    tail_index,
-)
+from benchtool.analysis.statistics.tail import tail_index
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
 
 Floats = NDArray[np.float64]
@@ -39,13 +35,14 @@ _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk 
 class Tails:
     """Index of the tails of what differs from period to period, whether they are no heavier than normal, and
     the standard deviation of the largest of all samples of normal noise that differs from one to the next, 0
-    where none shows: where a ripple leaves fewer near the largest, it is more. `heavy` are the deviations
-    whose samples are heavier than normal and independent; none where they are not both."""
+    where none shows: where a ripple leaves fewer near the largest, it is more. `above` and `below` are the
+    tails of samples that are heavier than normal and independent; None where they are not both."""
 
     index: float
     is_light: bool
     of_normal: float
-    heavy: Floats
+    above: HeavyTail | None = None
+    below: HeavyTail | None = None
 
     @staticmethod
     def of(samples: Floats, begin: NDArray[np.int64], counts: NDArray[np.int64]) -> Tails:
@@ -61,7 +58,8 @@ class Tails:
         if float(np.std(samples)) < _IS_NOISE * noise_rms and ends_before_normal(about_mean):
             of_normal = 0.0
         is_heavy = not any(map(is_no_heavier_than_normal, both)) and not _is_clustered(both[0], len(begin))
-        return Tails(index, is_light, of_normal, both[0] if is_heavy else np.empty(0))
+        tails = (HeavyTail.above(both[0]), HeavyTail.above(-both[0])) if is_heavy else ()
+        return Tails(index, is_light, of_normal, *tails)
 
 
 def extremes_of_ripple(
@@ -89,9 +87,9 @@ def extremes_of_ripple(
         both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))
         return math.hypot(*both)
     apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
-    if len(tails.heavy) and not together:
-        signed = ((tails.heavy, largest.values), (-tails.heavy, least.values))
-        by_samples = math.hypot(*(scatter_of_largest_heavy(*each) for each in signed))
+    if tails.above is not None and tails.below is not None and not together:
+        signed = ((tails.above, largest.values), (tails.below, least.values))
+        by_samples = math.hypot(*(tail.scatter_of_largest(each) for tail, each in signed))
         # few maxima tell too little at times, and samples nothing far beyond them: each is as likely
         apart = math.hypot(apart, by_samples) / math.sqrt(2.0) if by_samples else apart
     if together or len(begin) <= _FEW_EXTREMES:

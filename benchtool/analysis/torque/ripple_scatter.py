@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
-from benchtool.analysis.statistics.scatter import FEWEST_EXTREMES, MeanError, error_of_root
+from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
+from benchtool.analysis.statistics.scatter import MeanError, error_of_root
 from benchtool.analysis.torque.between_samples import Between, between_samples
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple

@@ -7,15 +7,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import (
     ends_before_normal,
     is_no_heavier_than_normal,
     scatter_of_heap,
-    scatter_of_largest_heavy,
     scatter_of_largest_maximum,
     scatter_of_largest_normal,
 )
-from benchtool.analysis.statistics.scatter import scatter_of_largest
 
 Draw = Callable[[np.random.Generator, tuple[int, ...]], np.ndarray]
 
@@ -91,21 +90,3 @@ def test_values_of_no_heaps_are_none() -> None:
     random = np.random.default_rng(9)
     for draw in (random.standard_normal, random.standard_exponential, random.random):
         assert np.mean([scatter_of_heap(draw(12)) > 0.0 for _ in range(300)]) < 0.01
-
-
-@pytest.mark.parametrize("periods", [5, 40])
-@pytest.mark.parametrize("dof", [3.0, 4.0])
-def test_the_largest_of_heavy_samples_scatters_as_stated(dof: float, periods: int) -> None:
-    samples = np.random.default_rng(12).standard_t(dof, (120, periods, 400))
-    maxima = np.max(samples, axis=2)
-    pairs = zip(samples.reshape(120, -1), maxima, strict=True)
-    stated = np.array([scatter_of_largest_heavy(*each) for each in pairs])
-    largest = np.max(maxima, axis=1)
-    error = (largest - np.mean(largest)) / stated
-    assert 0.6 < np.sqrt(np.mean(error**2)) < 1.4
-    assert np.mean(np.abs(error) < 2.0) > 0.9
-
-
-def test_heavy_samples_beside_the_crests_of_a_ripple_do_not_make_its_largest() -> None:
-    deviations = np.random.default_rng(13).standard_t(3.0, 8000)
-    assert scatter_of_largest_heavy(deviations, np.linspace(1.0, 1.01, 20)) == 0.0

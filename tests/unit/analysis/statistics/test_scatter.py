@@ -16,9 +16,6 @@ from benchtool.analysis.statistics.scatter import (
     error_of_root,
     error_of_series,
     is_memory_untold,
-    scatter_of_largest,
-    tail_index,
-    tail_indices_of_heavy,
 )
 
 
@@ -38,25 +35,6 @@ def test_it_is_the_scatter_of_the_mean_also_of_correlated_samples(memory: float)
 def test_a_short_record_has_none() -> None:
     assert math.isnan(error_of_record(np.arange(19.0)).standard)
     assert error_of_record(np.ones(20)).standard == 0.0
-
-
-def test_the_largest_of_a_record_scatters_over_records_as_stated() -> None:
-    """Exponential values, whose largest has a standard deviation of pi / sqrt(6) beyond a few values."""
-    records = np.random.default_rng(1).exponential(2.0, (400, 200))
-    stated = np.array([scatter_of_largest(record) for record in records])
-    assert np.mean(stated) == pytest.approx(2.0 * math.pi / math.sqrt(6.0), rel=0.1)
-    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.15)
-
-
-def test_of_fewer_than_four_the_largest_has_no_scatter() -> None:
-    assert math.isnan(scatter_of_largest(np.array([1.0, 3.0, 2.0])))
-    # the mean excess of 2, 3 and 6 over the least of the four, 1, over that of quantiles of Gumbel's
-    # distribution at 3/8, 5/8 and 7/8 over the one at 1/8
-    quantiles = -np.log(-np.log(np.array([0.375, 0.625, 0.875])))
-    of_gumbel = float(np.mean(quantiles)) + math.log(-math.log(0.125))
-    assert scatter_of_largest(np.array([2.0, 6.0, 1.0, 3.0])) == pytest.approx(
-        math.pi / math.sqrt(6.0) * (1.0 + 2.0 + 5.0) / 3.0 / of_gumbel
-    )
 
 
 def test_a_mean_under_flicker_noise_is_known_less_than_its_parts_say() -> None:
@@ -92,48 +70,6 @@ def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() ->
     truth = 1.0 / np.sqrt(2000.0)
     assert all(of_both <= of_parts for of_both, of_parts in zip(pooled, alone, strict=True))
     assert truth < np.median(pooled) < 0.95 * np.median(alone)
-
-
-def test_tails_of_a_power_law_are_told_from_normal_ones() -> None:
-    random = np.random.default_rng(5)
-    normal = [tail_index(random.standard_normal(20_000)) for _ in range(20)]
-    heavy = [tail_index(random.standard_t(3.0, 20_000)) for _ in range(20)]
-    assert np.median(normal) == 0.0
-    assert np.median(heavy) == pytest.approx(1.0 / 3.0, abs=0.12)
-    assert tail_index(np.ones(50)) == 0.0
-
-
-def test_few_values_far_larger_than_all_others_are_no_heavy_tail() -> None:
-    random, found = np.random.default_rng(9), []
-    for _ in range(10):
-        noise = random.standard_normal(20_000)
-        noise[random.integers(0, 20_000, 60)] += 30.0 * random.standard_normal(60)
-        found.append(tail_index(noise))
-    assert sum(each == 0.0 for each in found) >= 7
-
-
-def test_tails_known_to_be_heavy_have_indices_also_where_none_is_significant() -> None:
-    random = np.random.default_rng(5)
-    few = [random.standard_t(3.0, 400) for _ in range(40)]
-    assert all(tail_index(each, 40) == 0.0 for each in few)
-    heavy = [tail_indices_of_heavy(each, 40) for each in few]
-    assert 0.2 < float(np.median(heavy)) < 0.5
-    assert np.min(heavy) > 0.0
-    assert tail_indices_of_heavy(np.ones(400), 40) == tail_indices_of_heavy(few[0][:60], 40) == ()
-
-
-def test_of_several_indices_of_a_tail_the_variances_are_averaged() -> None:
-    values = np.abs(np.random.default_rng(7).standard_t(3.0, 400))
-    of_each = [scatter_of_largest(values, index) for index in (0.0, 0.3)]
-    assert scatter_of_largest(values, 0.0, 0.3) == pytest.approx(math.hypot(*of_each) / math.sqrt(2.0))
-    assert scatter_of_largest(values) == of_each[0] < of_each[1]
-
-
-def test_the_largest_of_a_heavy_tail_scatters_more() -> None:
-    """Pareto's distribution of the index 0.2, whose largest of n behaves as (n / e)^0.2, e exponential."""
-    records = np.random.default_rng(6).pareto(5.0, (300, 400))
-    stated = np.array([scatter_of_largest(record, 0.2) for record in records])
-    assert np.mean(stated) == pytest.approx(float(np.std(records.max(axis=1))), rel=0.25)
 
 
 def test_a_mean_under_fractional_noise_and_one_of_levels_is_known_as_stated() -> None:
@@ -179,11 +115,6 @@ def test_a_memory_that_shows_is_continued_rather_than_refused() -> None:
     stated = [error_of_periods(each).standard for each in records]
     assert np.mean(refused) > 0.5
     assert np.mean(np.abs([np.mean(each) for each in records]) < 2.0 * np.array(stated)) >= 0.88
-
-
-def test_the_largest_of_few_scatters_as_they_do_at_least() -> None:
-    values = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 2.0, 2.0, 2.0, 2.0])
-    assert scatter_of_largest(values) >= 0.6 * float(np.std(values, ddof=1))
 
 
 def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> None:
