@@ -35,7 +35,7 @@ class AmplitudeTrend:
     `of_level` its standard uncertainty against the mean over periods; `apart` is by how much that mean is off
     it; `deviation` is that and how far a mean over phases is from one over time. `rest`, shape (periods,), is
     what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first period
-    to the end of the last; a step is no growth. One that `swings` is a sinusoid.
+    to the end of the last; a step is no growth. A sinusoid has so many `cycles`.
     """
 
     curve: Callable[[Floats], Floats]
@@ -45,7 +45,7 @@ class AmplitudeTrend:
     apart: float
     rest: Floats
     growth: float
-    swings: bool
+    cycles: float
 
 
 def amplitude_trend(
@@ -70,7 +70,7 @@ def amplitude_trend(
     numbers = np.arange(count + 1.0)
     edges, bent = (numbers / count, 1.0) if edges is None else (edges, 0.0)
     place = 0.5 * (edges[1:] + edges[:-1])
-    for curve, about, bend, slopes in _curves(relative, place):
+    for curve, about, bend, slopes, cycles in _curves(relative, place):
         rest = relative - curve(place)
         left = float(np.mean(rest**2)) / power
         if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
@@ -98,23 +98,23 @@ def amplitude_trend(
             apart=abs(apart),
             rest=rest,
             growth=growth,
-            swings=about is not None,
+            cycles=cycles,
         )
     return None
 
 
-_Curve = tuple[Callable[[Floats], Floats], float | None, float, Callable[[Floats], Floats]]
+_Curve = tuple[Callable[[Floats], Floats], float | None, float, Callable[[Floats], Floats], float]
 
 
 def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
     """Yield curves over the record, from 0 to 1, each with the constant that it is about, if it is about one,
-    its bend, and its slopes by its constants, shape (places, constants)."""
+    its bend, its slopes by its constants, shape (places, constants), and its cycles, if it is a sinusoid."""
     for degree in (1, 2):
         line = np.polynomial.Polynomial.fit(place, relative, degree)
         bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
-        yield line, None, abs(bend), partial(_powers, degree)
+        yield line, None, abs(bend), partial(_powers, degree), 0.0
     step = _step(relative, place)
-    yield step, None, 0.0, step.slopes
+    yield step, None, 0.0, step.slopes, 0.0
     yield _settling(relative, place)
     yield from _swing(relative, place)
 
@@ -164,7 +164,7 @@ def _settling(relative: Floats, place: Floats) -> _Curve:
         columns = _exponential(places, rate)
         return np.column_stack([columns, -constants[1] * places * columns[:, 1]])
 
-    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0, slopes
+    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0, slopes, 0.0
 
 
 def _exponential(place: Floats, rate: float) -> Floats:
@@ -188,4 +188,5 @@ def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
         float(constants[0]),
         0.0,
         slopes,
+        cycles,
     )

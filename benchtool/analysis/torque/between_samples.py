@@ -55,7 +55,8 @@ def between_samples(samples: Floats, turns: Floats) -> Between | None:
     places = round(together * rows)
     if places > _MOST_PLACES or places < 3 or 2 * together > periods:
         return None
-    phase = turns - float(np.angle(np.sum(np.exp(2j * np.pi * places * turns)))) / (2.0 * np.pi * places)
+    some = turns[:: max(1, len(turns) // _MOST_PLACES)]
+    phase = turns - float(np.angle(np.sum(np.exp(2j * np.pi * places * some)))) / (2.0 * np.pi * places)
     # as seen from one period, the places of so many of them are shuffled
     at = np.round(phase * places).astype(np.int64) % places
     # under it lines in step with nothing and a drift are no curve of a period, as their mean would be

@@ -66,16 +66,16 @@ class Periods:
 
 @dataclass(frozen=True)
 class Course:
-    """Course of few constants over a record, from 0 to 1: `size` times a curve. One that `swings` goes on
-    beyond it, as it does in other records from another place on."""
+    """Course of few constants over a record, from 0 to 1: `size` times a curve. A sinusoid of so many
+    `cycles` goes on beyond it, as it does in other records from another place on."""
 
     curve: Callable[[Floats], Floats]
     size: float
-    swings: bool
+    cycles: float
 
     def at(self, place: Floats, later: float = 0.0) -> Floats:
         """Return it at places, shape (n,), in a record that begins a share of one later."""
-        return self.size * self.curve(place + later if self.swings else place)
+        return self.size * self.curve(place + later if self.cycles else place)
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def mean_over_periods(
         error = at_lowest_frequencies(rest, by_parts, periods, length, pooled=pooled, may_fall=may_fall)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
-    course = None if trend is None else Course(trend.curve, size, trend.swings)
+    course = None if trend is None else Course(trend.curve, size, trend.cycles)
     return MeanOverPeriods(left, mean, error, lines, course)
 
 

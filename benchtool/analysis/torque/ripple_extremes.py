@@ -21,13 +21,14 @@ from benchtool.analysis.statistics.maxima import (
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.tail import tail_index
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
+from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
 
 Floats = NDArray[np.float64]
 
 _SAMPLES_OF_TAIL = 1 << 17
 _IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
-_PARTS_OF_PERIOD = 16
+_PARTS_OF_PERIOD, _MOST_PARTS = 16, 4096
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 
 
@@ -63,19 +64,29 @@ class Tails:
 
 
 def extremes_of_ripple(
-    samples: Floats, rest: Floats, begin: NDArray[np.int64], tails: Tails, step: float = 0.0
+    samples: Floats,
+    rest: Floats,
+    begin: NDArray[np.int64],
+    tails: Tails,
+    step: float = 0.0,
+    slow: SlowRipple | None = None,
 ) -> float:
     """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
     samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
     those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
     falls over the whole record, as in part of a beat: what it comes to is not told. Values in heaps that are
-    no `step` of a converter, whose resolution is elsewhere, end in the next heap or not."""
+    no `step` of a converter, whose resolution is elsewhere, end in the next heap or not. Of a ripple that
+    beats, by what is `slow` of it, those of its larger periods count as if all were of its largest size, and
+    where its crests meet those of the beat is as in records that begin later."""
     found = [
         [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
         [_about_course(each) for each in _extremes_of_periods(samples, begin)],
     ]
     is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
     largest, least = found[0] if is_told else found[1]
+    of_beat = 0.0
+    if slow is not None and slow.swings(len(begin)):
+        largest, least, of_beat = _in_beat(samples, begin, slow)
     if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
         return math.nan
     heaps = [scatter_of_heap(each) for each in _extremes_of_periods(samples, begin)]
@@ -85,17 +96,48 @@ def extremes_of_ripple(
     together = _grow_together(largest.values, least.values)
     if tails.is_light and not together and largest.is_plain and least.is_plain:
         both = (scatter_of_largest_maximum(each.values, tails.of_normal) for each in (largest, least))
-        return math.hypot(*both)
+        return max(of_beat, math.hypot(*both))
     apart = math.hypot(largest.scatter(tails.index), least.scatter(tails.index))
     if tails.above is not None and tails.below is not None and not together:
         signed = ((tails.above, largest.values), (tails.below, least.values))
         by_samples = math.hypot(*(tail.scatter_of_largest(each) for tail, each in signed))
         # few maxima tell too little at times, and samples nothing far beyond them: each is as likely
         apart = math.hypot(apart, by_samples) / math.sqrt(2.0) if by_samples else apart
-    if together or len(begin) <= _FEW_EXTREMES:
+    if together or len(largest.values) <= _FEW_EXTREMES:
         # what makes both extremes larger together scatters as their difference does
         apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
-    return apart
+    return max(apart, of_beat)  # nan of too few
+
+
+def _in_beat(samples: Floats, begin: NDArray[np.int64], slow: SlowRipple) -> tuple[_Maxima, _Maxima, float]:
+    """Return the extremes of periods of samples, shape (n,), in those of their parts that have half the power
+    of the largest at least, in its size, and the standard deviation of the peak-to-peak by where in its
+    beat a record begins."""
+    ends = np.append(begin, len(samples))
+    place = np.interp(np.arange(len(samples)) + 0.5, ends, np.arange(len(ends)) / len(begin))
+    rest = slow.without(samples, place)[0] - slow.mean.mean
+    each = max(1, min(_PARTS_OF_PERIOD, _MOST_PARTS // len(begin), int(np.min(np.diff(ends)))))
+    shares = np.arange(each) / each
+    parts = (begin[:, np.newaxis] + np.diff(ends)[:, np.newaxis] * shares).astype(np.int64).ravel()
+    at = 0.5 * (place[parts] + place[np.append(parts[1:], len(samples)) - 1])
+    size = slow.size(at)
+    top = float(np.max(size))
+    # at the nodes noise is relatively larger
+    is_kept = (size >= math.sqrt(0.5) * top).reshape(-1, each)
+    extremes = [found.reshape(-1, each) for found in _extremes_of_periods(rest, parts)]
+    rows = 2 * np.count_nonzero(is_kept, axis=1) > each
+    largest, least = (top * np.max(np.where(is_kept, found, -np.inf), axis=1)[rows] for found in extremes)
+    for part in range(each):
+        kept = np.flatnonzero(is_kept[:, part])
+        others = np.flatnonzero(~is_kept[:, part])
+        for found in extremes:  # what is there in other records is as in the others
+            found[others, part] = found[np.resize(kept, len(others)) if len(kept) else others, part]
+    above, below = (found.ravel() for found in extremes)
+    spans = []
+    for later in BEGINS:
+        mean, size = slow.mean.slowly(at, later), slow.size(at, later)
+        spans.append(float(np.max(mean + size * above) + np.max(size * below - mean)))
+    return _Maxima(largest), _Maxima(least), float(np.std(spans, ddof=1))
 
 
 def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:

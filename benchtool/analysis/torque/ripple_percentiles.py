@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.statistics.scatter import MeanError, error_of_series
-from benchtool.analysis.torque.means_of_periods import MeanOverPeriods, Periods, mean_over_periods
+from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
+from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
 
 Floats = NDArray[np.float64]
 
@@ -24,8 +25,7 @@ _CORRELATED = 2.0  # periods that count as one, from which a tail is made of str
 _OVERLAPPING = 2.0  # periods in a window, which count as one where each is another
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.27  # the whole reaches further into the tail than a part, and scatters more
 _NORMAL = np.array([NormalDist().inv_cdf((i + 0.5) / 32) for i in range(32)])  # equally probable
-_LEAST_SIZE = 0.25  # of a ripple in its rms: at a node of a beat it is not known
-_PLACES, _BEGINS = 2048, 16  # in the record, and of it in the cycles of slow lines
+_PLACES = 2048  # in the record
 
 
 def percentile_range(samples: NDArray[np.float64]) -> float:
@@ -34,35 +34,7 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
     return float(high - low)
 
 
-@dataclass(frozen=True)
-class _Slow:
-    """What is slow of samples: the `mean`, and the course of the `squares` about it, by which a ripple grows
-    and falls."""
-
-    mean: MeanOverPeriods
-    squares: MeanOverPeriods
-
-    @property
-    def is_steady(self) -> bool:
-        """Whether neither has a line or a course."""
-        return self.mean.is_steady and self.squares.is_steady
-
-    def size(self, place: Floats, later: float = 0.0) -> Floats:
-        """Return the size of the ripple at places, shape (n,), relative to its rms."""
-        square = 1.0 + self.squares.slowly(place, later) / self.squares.mean
-        return np.asarray(np.sqrt(np.maximum(square, _LEAST_SIZE**2)))
-
-    def without(self, samples: Floats, place: Floats) -> tuple[Floats, Floats]:
-        """Return what slow lines and courses leave of samples at places, shape (n,), of one size, and that of
-        the larger half of the ripple alone, sorted: at its nodes noise has another distribution."""
-        size = self.size(place)
-        rest = self.mean.mean + (samples - self.mean.slowly(place) - self.mean.mean) / size
-        return rest, np.sort(rest[size >= min(1.0, float(np.max(size)))])
-
-
-def percentile_scatter(
-    samples: Floats, repeats: Periods, of_mean: MeanOverPeriods, of_square: MeanOverPeriods
-) -> MeanError:
+def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> MeanError:
     """Return the standard uncertainty of the percentile range of samples, shape (n,), by what each period
     contributes to it.
 
@@ -77,17 +49,12 @@ def percentile_scatter(
     beyond, begin = _Beyond.of(samples, repeats), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
     place = repeats.places(np.arange(0.5, len(samples)))
-    if of_mean.course is not None:  # which is in the squares, but not in the size of the ripple
-        about = samples - of_mean.mean - of_mean.slowly(place)
-        of_square = mean_over_periods(np.square(about), repeats)
-    slow = _Slow(of_mean, of_square)
     rest = samples
     if not slow.is_steady:
         rest, order = slow.without(samples, place)
         moved -= beyond.expected(order, slow, place)
         place = np.linspace(0.0, 1.0, _PLACES)
-        begins = np.arange(_BEGINS) * (math.sqrt(5.0) - 1.0) / 2.0
-        shifted = [float(np.mean(beyond.expected(order, slow, place, each))) for each in begins]
+        shifted = [float(np.mean(beyond.expected(order, slow, place, each))) for each in BEGINS]
         of_cycles = float(np.std(shifted, ddof=1))
     of_few = max(_of_few(samples < beyond.low, begin), _of_few(samples > beyond.high, begin))
     # of how few periods have what is beyond, their scatter alone tells
@@ -149,7 +116,7 @@ class _Beyond:
         """Return what each of samples, shape (n,), moves the range by, times n."""
         return np.asarray(self.of_low * (samples < self.low) + self.of_high * (samples > self.high))
 
-    def expected(self, order: Floats, slow: _Slow, place: Floats, later: float = 0.0) -> Floats:
+    def expected(self, order: Floats, slow: SlowRipple, place: Floats, later: float = 0.0) -> Floats:
         """Return what samples are expected to move at places, shape (n,), of a record that begins a share of
         one later, where what is not slow has the same distribution as `order`, sorted, shape (m,)."""
         middle, size = slow.mean.mean + slow.mean.slowly(place, later), slow.size(place, later)

@@ -15,6 +15,7 @@ from benchtool.analysis.torque.between_samples import Between, between_samples
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
+from benchtool.analysis.torque.slow_ripple import SlowRipple
 
 Floats = NDArray[np.float64]
 
@@ -62,15 +63,16 @@ def scatter_of_periods(
     error_of_square = MeanError(math.hypot(of_square.error.standard, of_lines), of_square.error.dof)
     spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
     tails = Tails.of(within, begin, counts)
+    slow = SlowRipple.of(within, repeats, of_mean, of_square)
     return Scatter(
         periods=count,
         repeated=repeats.name,
         mean=of_mean.error,
         rms=error_of_root(squares, rms, error_of_square),
-        percentile_range=percentile_scatter(within, repeats, of_mean, of_square)
+        percentile_range=percentile_scatter(within, repeats, slow)
         if percentiles and count >= FEWEST_EXTREMES
         else None,
-        peak_to_peak=extremes_of_ripple(within, rest, begin, tails, step),
+        peak_to_peak=extremes_of_ripple(within, rest, begin, tails, step, slow),
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,

@@ -118,13 +118,14 @@ def test_a_percentile_knows_the_share_of_a_slow_cycle() -> None:
 
 
 @pytest.mark.parametrize("beside", [6.083, 6.23])
-def test_a_percentile_knows_the_share_of_a_beat(beside: float) -> None:
+@pytest.mark.parametrize("number", ["torque_ripple_percentile_range", "torque_ripple_pp"])
+def test_numbers_of_a_beat_are_known_as_well_as_its_crests(beside: float, number: str) -> None:
     turned = 2 * np.pi * np.arange(round(40.3 * PER_PERIOD)) / PER_PERIOD
     found = []
-    for seed in range(20):
+    for seed in range(12):
         begin = np.random.default_rng([seed, 9]).uniform(0.0, 2 * np.pi)
         beats = record(40.3, seed) + 0.03 * np.cos(beside * turned + begin)
-        found.append(measured(beats)["torque_ripple_percentile_range"])
+        found.append(measured(beats)[number])
 
     scatter = np.std([each.value for each in found], ddof=1)
     stated = [each.uncertainty.standard for each in found if each.uncertainty]
