@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import students_deviation
-from benchtool.analysis.statistics.scatter import MeanError, error_of_series
+from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_series
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
 
@@ -77,7 +77,11 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
     parts = np.array([percentile_range(rest[rows]) for rows in _parts(begin, len(samples), count)])
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(count)
     of_parts *= (beyond.high - beyond.low) / percentile_range(rest)
-    return MeanError(math.hypot(linear.standard, students_deviation(count - 1.0) * of_parts), count - 1.0)
+    of_parts = math.hypot(linear.standard, students_deviation(count - 1.0) * of_parts)
+    # a size that wanders as slowly as the record makes all of its parts larger or smaller
+    of_size = error_of_periods(sizes)
+    by_size = (beyond.high - beyond.low) * of_size.standard / float(np.mean(sizes))
+    return MeanError(by_size if by_size > of_parts else of_parts, count - 1.0)
 
 
 def _sizes(samples: Floats, repeats: Periods) -> Floats:
