@@ -25,17 +25,21 @@ _STANDS_OUT = -math.log(1e-4)  # of the mean power of noise in a harmonic: once 
 @dataclass(frozen=True)
 class Between:
     """A curve of a period at `_FINER` points from one place of samples to the next, shape (m,), and which of
-    its points are `sampled`, shape (n,), each as often."""
+    its points are `sampled`, shape (n,), each as often. What differs from it from period to period is
+    `noise`, rms."""
 
     curve: Floats
     sampled: NDArray[np.int64]
+    noise: float
 
     def error_of(self, number: Callable[[Floats], float]) -> float:
         """Return the root mean square by which a number of samples misses that of the curve, over all phases
-        of the samples within the distance of their places."""
+        of the samples within the distance of their places; 0 where noise is more, which carries some of the
+        samples over what is between them."""
         whole = number(self.curve)
         missed = [number(self.curve[self.sampled - each]) - whole for each in range(_FINER)]
-        return float(np.sqrt(np.mean(np.square(missed))))
+        error = float(np.sqrt(np.mean(np.square(missed))))
+        return error if error > self.noise else 0.0
 
 
 def between_samples(samples: Floats, turns: Floats) -> Between | None:
@@ -66,7 +70,12 @@ def between_samples(samples: Floats, turns: Floats) -> Between | None:
         return None
     means = np.bincount(at, weight * samples, places) / count
     rest = samples - means[at]
-    noise2 = float(rest @ rest) / max(1, len(samples) - places) * _OF_HANN / len(samples)
+    # what moves whole periods is no noise either
+    period = np.maximum(turns, 0.0).astype(np.int64)
+    of_periods = np.bincount(period, rest) / np.maximum(1, np.bincount(period))
+    rest -= np.interp(turns, np.arange(len(of_periods)) + 0.5, of_periods)
+    variance = float(rest @ rest) / max(1, len(samples) - places)
+    noise2 = variance * _OF_HANN / len(samples)
     bins = fft.rfft(means) / places
     bins[np.abs(bins) ** 2 <= _STANDS_OUT * noise2] = 0.0
     if not np.any(bins[1:]):
@@ -74,4 +83,8 @@ def between_samples(samples: Floats, turns: Floats) -> Between | None:
     curve = fft.irfft(bins, _FINER * places) * (_FINER * places)
     sampled = np.unique(np.round(phase * len(curve)).astype(np.int64) % len(curve))
     # as often as in the samples: of few values percentiles would be between two of them
-    return Between(curve, np.repeat(sampled, math.ceil(min(len(samples), _MOST_PLACES) / len(sampled))))
+    return Between(
+        curve,
+        np.repeat(sampled, math.ceil(min(len(samples), _MOST_PLACES) / len(sampled))),
+        math.sqrt(variance),
+    )

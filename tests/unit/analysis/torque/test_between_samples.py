@@ -43,7 +43,7 @@ def test_noise_and_a_drift_are_no_curve() -> None:
     ]
     assert sum(each is not None for each in noise) <= 1
 
-    samples, turns = ripple(20.3)
+    samples, turns = ripple(20.0)
     plain, drifting = (between_samples(each, turns) for each in (samples, samples + 0.02 * turns))
     assert plain is not None
     assert drifting is not None
