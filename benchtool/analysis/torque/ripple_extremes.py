@@ -19,7 +19,7 @@ from benchtool.analysis.statistics.maxima import (
     scatter_of_largest_normal,
 )
 from benchtool.analysis.statistics.neighbours import neighbours_alike
-from benchtool.analysis.statistics.scatter import error_of_periods
+from benchtool.analysis.statistics.scatter import error_of_periods, error_of_series
 from benchtool.analysis.statistics.tail import tail_index
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
@@ -108,9 +108,11 @@ def extremes_of_ripple(
         # what makes both extremes larger together scatters as their difference does
         apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
     # a size that wanders as slowly as the record makes all of its periods larger or smaller
-    of_size = error_of_periods(largest.values + least.values).standard
-    if math.isfinite(of_size):
-        apart = math.hypot(apart, of_size)
+    spans = largest.values + least.values
+    of_size = error_of_series(spans)
+    of_size = of_size if math.isfinite(of_size.standard) else error_of_periods(spans)
+    if math.isfinite(of_size.standard):
+        apart = math.hypot(apart, of_size.standard)
     return max(apart, of_beat)  # nan of too few
 
 
