@@ -78,9 +78,10 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(count)
     of_parts *= (beyond.high - beyond.low) / percentile_range(rest)
     of_parts = math.hypot(linear.standard, students_deviation(count - 1.0) * of_parts)
+    if math.isfinite(of_size.standard):
+        return MeanError(of_parts, count - 1.0)
     # a size that wanders as slowly as the record makes all of its parts larger or smaller
-    of_size = of_size if math.isfinite(of_size.standard) else error_of_periods(sizes)
-    by_size = (beyond.high - beyond.low) * of_size.standard / float(np.mean(sizes))
+    by_size = (beyond.high - beyond.low) * error_of_periods(sizes).standard / float(np.mean(sizes))
     return MeanError(by_size if by_size > of_parts else of_parts, count - 1.0)
 
 
