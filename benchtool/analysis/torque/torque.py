@@ -142,9 +142,9 @@ _NUMBERS: Final = (
         "twentieth of the samples says; "
         "of heaps 0.46 times the distance of the next; on a drift no less than their own s; none where the "
         "ripple grows or falls over the whole record; "
-        "of a beat by its larger periods and where in it the record begins; the error of the mean size where it "
-        "wanders; of samples at the same places of all periods the root mean square by which they miss the extremes "
-        "of the curve between them; and resolution / sqrt(6), in U a whole step",
+        "of a beat by its larger periods and where in it the record begins; the error of the mean size "
+        "where it wanders; of samples at the same places of all periods the root mean square by which they "
+        "miss the extremes of the curve between them; and resolution / sqrt(6), in U a whole step",
     ),
     (
         ("ripple_rms",),
