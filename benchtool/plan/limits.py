@@ -23,6 +23,9 @@ SIMPLE: Final = "simple acceptance"
 """The decision rule without a margin: the value alone is compared with the bounds (JCGM 106:2012, 8.2)."""
 
 
+_ROUNDING = 1e-9  # relative: of bounds as they are written
+
+
 class Verdict(StrEnum):
     """Verdict on a case or a run, from best to worst; `NONE` without limits."""
 
@@ -107,6 +110,13 @@ class Limit(Section):
             raise ValueError("a limit needs min, max or both")
         if self.min is not None and self.max is not None and self.min > self.max:
             raise ValueError(f"min {self.min} is above max {self.max}")
+        if self.min is not None and self.max is not None and self.margin != "U":
+            most = 0.5 * (self.max - self.min)
+            if self.margin > most * (1.0 + _ROUNDING):
+                raise ValueError(
+                    f"margin {self.margin:g} lets no value between min and max pass, at most half of their "
+                    f"distance is expected, {most:g}: widen the bounds, or state a smaller margin"
+                )
         return self
 
     def judge(self, value: float | None, uncertainty: Uncertainty | None = None) -> Verdict:

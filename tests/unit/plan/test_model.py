@@ -52,6 +52,15 @@ def test_a_limit_needs_a_bound() -> None:
         Limit(min=2.0, max=1.0)
 
 
+def test_a_margin_leaves_room_between_the_bounds() -> None:
+    assert Limit(min=0.1, max=0.3, margin=0.1).judge(0.2).met
+    with pytest.raises(
+        ValidationError, match=r"margin 0\.11 lets no value .* half of their distance .* 0\.1"
+    ):
+        Limit(min=0.1, max=0.3, margin=0.11)
+    assert Limit(min=0.1, margin=7.0).margin == 7.0
+
+
 def test_the_worst_verdict_counts() -> None:
     assert worst([]) is Verdict.NONE
     assert worst([Verdict.PASS, Verdict.MARGINAL]) is Verdict.MARGINAL
