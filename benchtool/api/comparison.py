@@ -65,11 +65,10 @@ class Comparison(Named["Delta"]):
         from benchtool.analysis import placed, signed, stated
 
         for each in self._deltas.values():
-            expanded = None if each.uncertainty is None else each.uncertainty.expanded
             mark = {True: "*", False: "~", None: ""}[each.exceeds]
             yield (
-                *(each.name, placed(each.reference, expanded), placed(each.value, expanded)),
-                *(stated(each.absolute, expanded), f"{signed(each.percent, 2)} %{mark}", each.unit),
+                *(each.name, placed(each.reference, each.expanded), placed(each.value, each.expanded)),
+                *(stated(each.absolute, each.expanded), f"{signed(each.percent, 2)} %{mark}", each.unit),
             )
 
     def _repr_html_(self) -> str:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 SIMPLE: Final = "simple acceptance"
 """The decision rule without a margin: the value alone is compared with the bounds (JCGM 106:2012, 8.2)."""
 
-
 _ROUNDING = 1e-9  # relative: of bounds as they are written
 
 

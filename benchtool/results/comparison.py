@@ -44,6 +44,11 @@ class Delta:
         """Standard uncertainty of the difference; nan where there is none."""
         return math.nan if self.uncertainty is None else self.uncertainty.standard
 
+    @property
+    def expanded(self) -> float | None:
+        """Expanded uncertainty of the difference; None where there is none."""
+        return None if self.uncertainty is None else self.uncertainty.expanded
+
     def to_json(self) -> dict[str, Any]:
         """Return the fields; nan, and a judgement that is not made, become null."""
         return {
@@ -55,7 +60,7 @@ class Delta:
             "standard_uncertainty": _finite(self.standard),
             "dof": None if self.uncertainty is None else _finite(self.uncertainty.dof),
             "k": None if self.uncertainty is None else _finite(self.uncertainty.k),
-            "expanded_uncertainty": None if self.uncertainty is None else _finite(self.uncertainty.expanded),
+            "expanded_uncertainty": None if self.expanded is None else _finite(self.expanded),
             "exceeds_uncertainty": self.exceeds,
             "judgement": self.judgement or None,
         } | ({"reason": self.reason} if self.reason else {})

@@ -363,14 +363,17 @@ def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     return kept
 
 
+def periods_to_same_places(per_period: float, periods: int, rows: float) -> int | None:
+    """Return the fewest periods that hold so nearly a whole number of samples, `per_period` each, that over
+    all `periods` of a record samples stay within so many `rows` of their places; None where none do."""
+    together = np.arange(1, periods + 1)
+    moved = np.abs(together * per_period - np.round(together * per_period)) * periods / together
+    same = np.flatnonzero(moved <= rows)
+    return int(together[same[0]]) if len(same) else None
+
+
 def _distinct(samples: float, periods: int, needed: int) -> int:
     """Return at how many places of the waveform the samples are, at most as many as are needed."""
     per_period = samples / periods
-    apart = per_period / needed
-    for together in range(1, periods + 1):
-        whole = round(together * per_period)
-        if whole >= needed:
-            break
-        if abs(together * per_period - whole) * periods < _WHOLE * apart * together:
-            return whole
-    return needed
+    together = periods_to_same_places(per_period, periods, _WHOLE * per_period / needed)
+    return needed if together is None else min(needed, round(together * per_period))

@@ -127,18 +127,14 @@ def with_noise(spectrum: CoherentSpectrum, basis: Basis, channel: str) -> Iterat
     if math.isnan(value):
         yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
     else:
-        own, why = (
-            _of_ratio(channel, spectrum),
-            "which of its power is of noise and would scatter is not told",
-        )
         yield Measurement(
             "current_thd_f_plus_noise",
             value,
             "%",
             text,
             to_end,
-            uncertainty_reason=why,
-            sensitivities=own,
+            uncertainty_reason="which of its power is of noise and would scatter is not told",
+            sensitivities=_of_ratio(channel, spectrum),
         )
 
 

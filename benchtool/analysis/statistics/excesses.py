@@ -37,10 +37,9 @@ def scatter_of_largest(values: NDArray[np.float64], *tails: float) -> float:
     distribution, of the standard deviation pi / sqrt(6) times the mean excess over that level (Embrechts,
     Klüppelberg and Mikosch, Modelling Extremal Events, 3.4 and 6.5). With heavy tails, of the index that
     `tail_index` finds, the excess has Pareto's distribution and the largest Fréchet's; of several indices,
-    each as likely, the mean of the variances is taken. Of correlated
-    values few maxima are left, whose top says little: their own deviation, or that above the median where it
-    is less, is the least then. Of few values the excess of three or four is low by chance: six tenths of the
-    deviation of all are the least.
+    each as likely, the mean of the variances is taken. Of correlated values few maxima are left, whose top
+    says little: their own deviation, or that above the median where it is less, is the least then. Of few
+    values the excess of three or four is low by chance: six tenths of the deviation of all are the least.
     """
     if len(values) < FEWEST_EXTREMES:
         return math.nan

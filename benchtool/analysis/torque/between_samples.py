@@ -10,6 +10,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.quantisation.repeated_steps import periods_to_same_places
+
 Floats = NDArray[np.float64]
 
 BETWEEN = "curve between samples at the same places of all periods"
@@ -53,9 +55,7 @@ def between_samples(samples: Floats, turns: Floats) -> Between | None:
     """
     whole = float(turns[-1] - turns[0])
     rows, periods = (len(turns) - 1.0) / whole, max(1, round(whole))
-    each = np.arange(1, periods + 1)
-    moved = np.abs(each * rows - np.round(each * rows)) * periods / each
-    together = int(each[np.argmax(moved <= _SAME)])
+    together = periods_to_same_places(rows, periods, _SAME) or periods
     places = round(together * rows)
     if places > _MOST_PLACES or places < 3 or 2 * together > periods:
         return None

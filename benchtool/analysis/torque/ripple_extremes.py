@@ -21,7 +21,7 @@ from benchtool.analysis.statistics.maxima import (
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import error_of_periods, error_of_series
 from benchtool.analysis.statistics.tail import tail_index
-from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
+from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
 
 Floats = NDArray[np.float64]
@@ -121,7 +121,7 @@ def _in_beat(samples: Floats, begin: NDArray[np.int64], slow: SlowRipple) -> tup
     of the largest at least, in its size, and the standard deviation of the peak-to-peak by where in its
     beat a record begins."""
     ends = np.append(begin, len(samples))
-    place = np.interp(np.arange(len(samples)) + 0.5, ends, np.arange(len(ends)) / len(begin))
+    place = Periods(ends).places(np.arange(0.5, len(samples)))
     rest = slow.without(samples, place)[0] - slow.mean.mean
     each = max(1, min(_PARTS_OF_PERIOD, _MOST_PARTS // len(begin), int(np.min(np.diff(ends)))))
     shares = np.arange(each) / each

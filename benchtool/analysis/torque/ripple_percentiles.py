@@ -48,9 +48,9 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
     """
     beyond, begin = _Beyond.of(samples, repeats), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
-    place = repeats.places(np.arange(0.5, len(samples)))
     rest = samples
     if not slow.is_steady:
+        place = repeats.places(np.arange(0.5, len(samples)))
         rest, order = slow.without(samples, place)
         moved -= beyond.expected(order, slow, place)
         place = np.linspace(0.0, 1.0, _PLACES)
@@ -82,7 +82,7 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
         return MeanError(of_parts, count - 1.0)
     # a size that wanders as slowly as the record makes all of its parts larger or smaller
     by_size = (beyond.high - beyond.low) * error_of_periods(sizes).standard / float(np.mean(sizes))
-    return MeanError(by_size if by_size > of_parts else of_parts, count - 1.0)
+    return MeanError(max(of_parts, by_size), count - 1.0)  # nan of too few
 
 
 def _sizes(samples: Floats, repeats: Periods) -> Floats:

@@ -143,8 +143,7 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
 
 def _values(delta: Delta) -> tuple[str, str]:
     """Return both values to the place of the uncertainty of their difference, so that they show it."""
-    expanded = None if delta.uncertainty is None else delta.uncertainty.expanded
-    return placed(delta.reference, expanded), placed(delta.value, expanded)
+    return placed(delta.reference, delta.expanded), placed(delta.value, delta.expanded)
 
 
 def difference(delta: Delta) -> str:

@@ -56,9 +56,10 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     low.set_xlim(0.0, _LOW_ORDER * f_1)
     annotate_point(low, f"fundamental {fundamental_A:.4g} A", f_1, fundamental_A, BLACK)
     largest = largest_low_component(spectrum, _LOW_ORDER)
-    largest_A, largest_Hz = largest.amplitude, largest.frequency_Hz
-    if math.isfinite(of_harmonics := _defined(steady, _LARGEST, math.nan)):
-        largest_A, largest_Hz = of_harmonics, steady[_LARGEST].basis.frequency_Hz or largest_Hz
+    largest_A = _defined(steady, _LARGEST, largest.amplitude)
+    largest_Hz = largest.frequency_Hz
+    if _LARGEST in steady.names:
+        largest_Hz = steady[_LARGEST].basis.frequency_Hz or largest_Hz
     text = f"largest other {largest_A:.3g} A at {largest_Hz:.4g} Hz"
     annotate_point(low, text, largest_Hz, max(largest_A, floor_A), ORANGE)
     _, greatest = panel.limits.get(_LARGEST, (None, None))
