@@ -6,7 +6,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -43,6 +43,21 @@ def _column(what: str) -> Any:
     return typer.Option(metavar="COLUMN[:UNIT[*GAIN][+OFFSET]]", help=what)
 
 
+def _in_unit(si_unit: str, example: str) -> Callable[[str], float]:
+    """Return what reads an option's number in that unit, or with its own behind it."""
+
+    def number(text: str) -> float:
+        value = quantity(text, si_unit)
+        try:
+            return float(text) if value is None else value
+        except ValueError:
+            raise typer.BadParameter(
+                f"'{text}' is no number of {si_unit}: one is expected, perhaps with its unit, as {example}"
+            ) from None
+
+    return number
+
+
 def analyze(
     run: Annotated[
         Path | None, typer.Argument(metavar="RUN", help="Run bundle, or folder of a run of several cases.")
@@ -58,7 +73,11 @@ def analyze(
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option(metavar="HZ", help="With --csv: rows per second of a table without a time."),
+        typer.Option(
+            metavar="HZ",
+            parser=_in_unit("Hz", "10kHz"),
+            help="With --csv: rows per second of a table without a time; or with its unit, as 10kHz.",
+        ),
     ] = None,
     current: Annotated[
         list[str] | None,
@@ -86,7 +105,12 @@ def analyze(
         int | None, typer.Option(min=1, metavar="Q", help="With --csv: slots of the stator.")
     ] = None,
     rated_torque: Annotated[
-        float | None, typer.Option(metavar="NM", help="With --csv: base of the ripple in percent.")
+        float | None,
+        typer.Option(
+            metavar="NM",
+            parser=_in_unit("Nm", "500mNm"),
+            help="With --csv: base of the ripple in percent; or with its unit, as 500mNm.",
+        ),
     ] = None,
     from_: chosen.From = None,
     to: chosen.To = None,

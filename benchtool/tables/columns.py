@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
+from benchtool.tables.clocks import Clock, read_clock
 from benchtool.tables.lost import Lost, lost_among
 from benchtool.tables.selection import Selection, by_number, hides
 from benchtool.tables.text import Rows, TextTable
@@ -78,7 +79,7 @@ class TableColumns:
 
     `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
     time and then the columns in that order, and of the rows that were read those in the span that the
-    question asks for. `lost` says what is missing among them.
+    question asks for. `lost` says what is missing among them, `clock` what the times say of theirs.
     """
 
     table: TextTable
@@ -86,6 +87,7 @@ class TableColumns:
     rows: Rows
     data: NDArray[np.float64]
     lost: Lost
+    clock: Clock = field(default_factory=Clock)
 
     @property
     def channels(self) -> dict[str, Channel]:
@@ -126,7 +128,9 @@ def read_columns(question: TableQuestion) -> TableColumns:
     _require_one_signal(table)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
-    data = rows.data
+    data, clock = rows.data, Clock()
+    if "time" in chosen:
+        chosen["time"], data[:, 0], clock = read_clock(chosen["time"], data[:, 0])
     if question.rate_Hz is not None:
         if "wrong number of cells" in rows.dropped:
             raise AnalysisError(
@@ -142,10 +146,10 @@ def read_columns(question: TableQuestion) -> TableColumns:
             f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
         )
     kinds = tuple(what for what in chosen if what != "time")
-    lost_s = rows.left_out.data[:, 0] if question.rate_Hz is None else rows.left_out.place / question.rate_Hz
+    lost_s = np.interp(rows.left_out.place, rows.place, time_s)
     in_span = (lost_s >= question.from_s) & (lost_s <= question.to_s)
     lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
-    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost)
+    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost, clock)
 
 
 def _require_one_signal(table: TextTable) -> None:

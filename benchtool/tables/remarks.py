@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, clipping, resolution
 from benchtool.profile import Bench, Instrument
+from benchtool.tables.clocks import Clock
 from benchtool.tables.head import Column
 from benchtool.tables.layout import Layout
 from benchtool.tables.record import Record
@@ -41,6 +42,8 @@ class RemarkKind(StrEnum):
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
     TIME_GOES_BACK = "time_goes_back"
+    TIME_SINCE_1970 = "time_since_1970"
+    TIME_ROLLS_OVER = "time_rolls_over"
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,25 @@ def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
                 f"on that: state it, as --time '{name}:ms'"
             )
             yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
+
+
+def of_clock(clock: Clock, time: Selection | None) -> Iterator[Remark]:
+    """Yield that the unit of a time was told by its size, and that it rolled over."""
+    if time is None:
+        return
+    name = time.name or str(time.number)
+    if clock.day is not None:
+        text = (
+            f"the unit of the time '{name}' is not stated: counted in {time.unit} since 1970 it is of "
+            f"{clock.day}, and that was taken; if it is another, state it, as --time '{name}:ms'"
+        )
+        yield Remark(RemarkKind.TIME_SINCE_1970, "time", text)
+    if clock.modulus:
+        text = (
+            f"the time '{name}' starts again after {clock.modulus} counts, as a counter of "
+            f"{clock.modulus.bit_length() - 1} bits does, {clock.rollovers} times: it was continued"
+        )
+        yield Remark(RemarkKind.TIME_ROLLS_OVER, "time", text)
 
 
 def remarks(record: Record) -> Iterator[Remark]:

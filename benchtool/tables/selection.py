@@ -21,8 +21,8 @@ _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfr
 class Selection:
     """A column that was asked for: `number` counts from 1, (cell x gain + offset) x factor is in `si_unit`.
 
-    `unit_from` is "option", "head", or "assumed" where neither states anything; `unit` is that of the value
-    after gain and offset.
+    `unit_from` is "option", "head", or "assumed" where neither states anything, "size" where that of a time
+    tells it; `unit` is that of the value after gain and offset.
     """
 
     number: int

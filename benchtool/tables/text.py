@@ -29,6 +29,7 @@ _NO_TEXT = {b"PAR1": "a Parquet file", b"ARROW1": "an Arrow file", b"PK\x03\x04"
 _CONTROL = bytes({*range(1, 32)} - set(b"\t\n\v\f\r\x1a"))  # zeros fill the end of a text that was cut short
 _CONTROL_OF_BINARY = 0.04  # share of the bytes
 _NO_READING = 9.9e37  # instruments send 9.9e37 for infinity and 9.91e37 for no reading (SCPI-99)
+_LEAST_MARK, _MARK_APART = 999.0, 10.0  # of a number that marks no reading: its size, and by how much
 _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
 _BLANKS = re.compile(rb"[ \t]+")
@@ -129,8 +130,8 @@ class TextTable:
         """Return the numbers of some columns, in SI units.
 
         A row with another number of cells than the table has columns, or with a cell of these columns that is
-        empty, not a number, or 9.9e37 and more, is left out and counted; blank lines and comments do not
-        count.
+        empty, not a number, 9.9e37 and more, or a mark of no reading, is left out and counted; blank lines
+        and comments do not count.
 
         Raises:
             RecordingError: the text cannot be split into rows and cells.
@@ -139,6 +140,7 @@ class TextTable:
         table, texts, wrong = self._parse(list(dict.fromkeys(wanted)))
         data = np.empty((table.num_rows, len(wanted)), order="F")
         cells = np.zeros(data.shape, dtype=np.int8)
+        marks: dict[str, NDArray[np.bool_]] = {}
         for place, (column, selection) in enumerate(zip(wanted, selections, strict=True)):
             row = 0
             for chunk in table[str(column)].chunks:
@@ -148,17 +150,23 @@ class TextTable:
                 target[:] = values
                 row += len(values)
             cells[:, place] = _cells(data[:, place], None if texts is None else texts[str(column)])
+            if mark := _mark_of_no_reading(data[:, place]):
+                is_mark = np.abs(data[:, place]) == mark
+                cells[is_mark, place] = Cell.MISSING
+                why = f"a cell is {data[np.argmax(is_mark), place]:.0f}, which marks no reading"
+                marks[why] = marks.get(why, False) | is_mark
             data[:, place] *= selection.gain * selection.factor
             data[:, place] += selection.offset * selection.factor
         cells[(cells == Cell.NUMBER) & ~(np.abs(data) < _NO_READING)] = Cell.MISSING
         kept = (cells == Cell.NUMBER).all(axis=1)
-        no_number = int(np.count_nonzero(~kept))
-        reasons = (("wrong number of cells", len(wrong)), ("a cell is no number", no_number))
-        dropped = {why: count for why, count in reasons if count}
         lost = np.flatnonzero(~kept)
+        counts = {why: int(np.count_nonzero(each)) for why, each in marks.items()}
+        no_number = len(lost) - int(np.count_nonzero(np.logical_or.reduce(list(marks.values()))))
+        counts = {"wrong number of cells": len(wrong), "a cell is no number": no_number} | counts
+        dropped = {why: count for why, count in counts.items() if count}
         is_cut_short = wrong and self.text.rstrip().endswith(wrong[-1].encode())
         left_out = LeftOut(lost, data[lost], cells[lost], len(wrong) - bool(is_cut_short))
-        if no_number:
+        if len(lost):
             data = np.asfortranarray(data[kept])
         return Rows(data, table.num_rows + len(wrong), dropped, np.flatnonzero(kept), left_out)
 
@@ -277,6 +285,20 @@ def _cells(values: NDArray[np.float64], texts: pa.ChunkedArray | None) -> NDArra
         words = texts.take(pa.array(bad)).to_pylist()
         cells[bad] = [kind_of_word(word or "") or Cell.MISSING for word in words]
     return np.asarray(cells, dtype=np.int8)
+
+
+def _mark_of_no_reading(values: NDArray[np.float64]) -> float:
+    """Return the size of the number that marks no reading in a column, as -999 and 9999 do; 0 if none does.
+
+    It is a whole number of nines and ten times as large as all others.
+    """
+    sizes = np.abs(values[np.abs(values) < _NO_READING])
+    mark = float(sizes.max(initial=0.0))
+    is_of_nines = mark >= _LEAST_MARK and mark < 1e15 and set(f"{mark:.15g}") == {"9"}
+    if not is_of_nines:
+        return 0.0
+    others = sizes[sizes < mark]
+    return mark if len(others) and _MARK_APART * float(others.max()) <= mark else 0.0
 
 
 def _to_utf_8(content: bytes) -> tuple[bytes, str]:

@@ -62,6 +62,11 @@ _ELSEWHERE: Mapping[str, Mapping[str, float]] = {
         },
         **{f"{prefix}Nm": factor for prefix, factor in _PREFIXES_10.items()},
     },
+    "Hz": {
+        prefix + samples: factor
+        for prefix, factor in (("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9))
+        for samples in ("S/s", "Sa/s", "SPS", "sps")
+    },
 }
 _SHOWN: Mapping[str, tuple[str, ...]] = {
     "s": ("min", "h"),

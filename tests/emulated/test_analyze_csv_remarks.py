@@ -28,8 +28,20 @@ def test_a_stated_rate_and_speed_stand_in_for_time_and_angle(invoke: Invoke) -> 
     assert values(case)["torque_mean"] == pytest.approx(1.0, rel=1e-4)
     assert values(case)["torque_order_24"] == pytest.approx(0.1, rel=1e-3)
     assert case["source"]["time"]["rate_Hz"] == pytest.approx(5_000.0)
+    in_units = ("--torque", "1", "--rate", "5 kSa/s", "--rated-torque", "2000mNm", "--speed", "750rpm")
+    assert values(measured(invoke("--csv", "t.csv", *in_units, "--pole-pairs", "4", "--json"))) == values(
+        case
+    )
     case = measured(invoke("--csv", "t.csv", *stated[:-2], "--json"))
     assert values(case)["torque_line_frequency"] == pytest.approx(300.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("option", "text"), [("--rate", "5k"), ("--rate", "1ms"), ("--rated-torque", "2A")])
+def test_a_number_with_another_unit_is_told_what_is_expected(invoke: Invoke, option: str, text: str) -> None:
+    write("t.csv", "T", [np.arange(100.0)])
+    result = invoke("--csv", "t.csv", "--torque", "1", option, text)
+    assert result.exit_code == 2
+    assert f"'{text}' is no number of" in result.output
 
 
 def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke) -> None:
