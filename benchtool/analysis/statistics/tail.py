@@ -8,6 +8,8 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import log_beta
+
 GUMBEL = math.pi / math.sqrt(6.0)
 """Standard deviation of the largest of exponential excesses, over their mean."""
 
@@ -22,12 +24,16 @@ def extreme_over_excess(tail: float, beyond: int) -> float:
     """Return the standard deviation of the largest of `beyond` excesses on average, over their mean.
 
     Of generalised Pareto excesses of scale s and index x the mean is s / (1 - x), the largest of n behaves as
-    s ((n / e)^x - 1) / x with e exponential.
+    s ((n / e)^x - 1) / x with e exponential. Of an index below zero, of which that has no bound, e / n is the
+    least of n uniform values, and the mean of its k-th power is n B(n, 1 + k).
     """
     tail = min(tail, _HEAVIEST)
     if abs(tail) <= _EXPONENTIAL:
         return GUMBEL
-    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / abs(tail)
+    if tail < 0.0:
+        mean, square = (beyond * math.exp(log_beta(beyond, 1.0 - power * tail)) for power in (1, 2))
+        return (1.0 - tail) * math.sqrt(max(0.0, square - mean**2)) / -tail
+    spread = math.sqrt(math.gamma(1.0 - 2.0 * tail) - math.gamma(1.0 - tail) ** 2) / tail
     return (1.0 - tail) * math.exp(tail * math.log(beyond)) * spread
 
 
