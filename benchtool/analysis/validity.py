@@ -31,17 +31,25 @@ def require_signal(samples: NDArray[np.float64], name: str) -> None:
         raise AnalysisError(
             f"'{name}' has {len(samples)} samples, at least 2 are needed: record a longer window"
         )
+    require_finite(samples, name)
     low, high = float(np.min(samples)), float(np.max(samples))
-    if not (np.isfinite(low) and np.isfinite(high)):
-        bad = int(np.count_nonzero(~np.isfinite(samples)))
-        raise AnalysisError(
-            f"'{name}' has {bad} samples that are not finite, numbers are needed: check the drive's "
-            f"estimator and record again"
-        )
     if low == high:
         raise AnalysisError(
             f"'{name}' is constant at {low:g} over {len(samples)} samples, a live signal is expected: check "
             f"that the drive was enabled and the channel is measured"
+        )
+
+
+def require_finite(samples: NDArray[np.float64], name: str) -> None:
+    """Refuse samples, shape (n,), among which are infinities or nan.
+
+    Raises:
+        AnalysisError: one is not finite.
+    """
+    if bad := int(np.count_nonzero(~np.isfinite(samples))):
+        raise AnalysisError(
+            f"'{name}' has {bad} samples that are not finite, numbers are needed: check the drive's "
+            f"estimator and record again"
         )
 
 

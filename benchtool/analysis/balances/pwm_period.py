@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.balances.space_vectors import Complex, Floats, phase_values, space_vector
+from benchtool.errors import AnalysisError
 
 _ALMOST = 1e-5  # of a period
 
@@ -52,10 +53,18 @@ class Edges:
 
         A leg that is high, or low, for a whole period changes where two periods meet. Without voltage it is
         unknown whether the legs are all high, all low, switching or off.
+
+        Raises:
+            AnalysisError: the dc link is not above zero.
         """
+        if not np.all(u_dc > 0.0):
+            raise AnalysisError(
+                f"u_dc is {np.min(u_dc):.4g} V at its least, above zero is needed: charge the dc link, and "
+                f"check the channel"
+            )
         phases = phase_values(u_s)
         centre = 0.5 * (np.max(phases, axis=0) + np.min(phases, axis=0))
-        duty = np.clip(0.5 + (phases - centre) / np.maximum(u_dc, np.finfo(np.float64).tiny), 0.0, 1.0)
+        duty = np.clip(0.5 + (phases - centre) / u_dc, 0.0, 1.0)
         high, low = duty > 1.0 - _ALMOST, duty < _ALMOST
         was_high = np.roll(high, 1, axis=1)
         rise_s, fall_s = 0.5 * (1.0 - duty) * T_s, 0.5 * (1.0 + duty) * T_s

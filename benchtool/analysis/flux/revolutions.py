@@ -12,6 +12,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.errors import AnalysisError
 
 ORDERS = (0, 1, -5, 7)
 """Centre, circle, and the orders that turn a circle into a hexagon."""
@@ -95,7 +96,17 @@ def _whole(track: PhaseTrack) -> list[slice]:
 
 
 def fits(psi: NDArray[np.complex128], track: PhaseTrack, revolutions: list[slice]) -> NDArray[np.complex128]:
-    """Return the amplitudes of `ORDERS` in every revolution, shape (revolutions, 4), by least squares."""
+    """Return the amplitudes of `ORDERS` in every revolution, shape (revolutions, 4), by least squares.
+
+    Raises:
+        AnalysisError: a revolution has too few rows to tell the orders from each other.
+    """
+    fewest, needed = min(each.stop - each.start for each in revolutions), max(ORDERS) - min(ORDERS) + 1
+    if fewest < needed:
+        raise AnalysisError(
+            f"the flux turns once within {fewest} samples, {needed} or more are needed to tell its orders: "
+            f"record at a higher rate, or at a lower and steadier speed"
+        )
     found = []
     per_revolution = (revolutions[-1].stop - revolutions[0].start) // len(revolutions)
     together = max(1, _CHUNK // max(1, per_revolution))

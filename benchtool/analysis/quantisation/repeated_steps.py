@@ -154,7 +154,8 @@ def repeated_steps(
     turns: Floats | None = None,
     level: float | None = None,
 ) -> RepeatedSteps | None:
-    """Return the errors of a quantised signal that are the same in every period; None where noise hides them.
+    """Return the errors of a quantised signal that are the same in every period; None where noise hides them,
+    or a period has no harmonics.
 
     Of the measured harmonics 1, 2 ..., peak `phasors` of shape (n,), the waveform takes the strongest, until
     those left out are no more together than the quantisation's own rms: weaker ones may be made by it. Where
@@ -172,7 +173,7 @@ def repeated_steps(
         level: a value that the converter gives, where it is known; without it levels may be anywhere.
     """
     table = _error_of_a_step(noise_beside(beside, step) / step)
-    if table is None:
+    if table is None or not len(phasors):
         return None
     kept = _without_the_weakest(phasors, step)
     if level is not None and _spanned(kept, step) < _FEW:

@@ -44,7 +44,10 @@ def drift_between_rests(x: Floats, y: Floats) -> RestDrift:
     # the later half of what follows the stimulus: the answer has died away
     rests = np.arange(begin), np.arange(count - end // 2, count)
     blocks = [
-        part for rest in rests for part in np.array_split(rest, min(_BLOCKS, len(rest) // _FEWEST_ROWS))
+        part
+        for rest in rests
+        if len(rest) >= _FEWEST_ROWS
+        for part in np.array_split(rest, min(_BLOCKS, len(rest) // _FEWEST_ROWS))
     ]
     if len(blocks) < _TERMS + _FREEDOM:
         return none

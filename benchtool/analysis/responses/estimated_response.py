@@ -36,6 +36,7 @@ NEPER_DB = 20.0 / math.log(10.0)
 
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
 _LINE = 3.0  # times the noise of its neighbours: a disturbance at one frequency
+_NOTHING_KNOWN = 1e9  # relative error
 _EVEN = 0.05  # relative error of a mean of neighbouring gains that picks none by chance
 
 
@@ -82,9 +83,10 @@ class FrequencyResponse:
 
     @cached_property
     def trusted(self) -> NDArray[np.bool_]:
-        """Where the input has power, and the even error amounts to no less coherence than is asked."""
+        """Where the input has power, the output any, and the even error amounts to no less coherence than is
+        asked."""
         coherence = coherence_of(self.even_error, self.averages)
-        trusted: NDArray[np.bool_] = self.excited & (coherence >= self.least_coherence)
+        trusted: NDArray[np.bool_] = self.excited & (self.gain > 0.0) & (coherence >= self.least_coherence)
         trusted.setflags(write=False)
         return trusted
 
@@ -152,7 +154,8 @@ def decibels(ratio: NDArray[np.complex128] | NDArray[np.float64]) -> NDArray[np.
 
 def coherence_of(error: NDArray[np.float64], averages: float) -> NDArray[np.float64]:
     """Return the coherence that relative errors amount to: c of sqrt((1 - c) / (2 (n - 1) c))."""
-    return np.asarray(1.0 / (1.0 + 2.0 * (averages - 1.0) * error**2))
+    known = np.minimum(error, _NOTHING_KNOWN)  # the square of more may be none
+    return np.asarray(1.0 / (1.0 + 2.0 * (averages - 1.0) * known**2))
 
 
 def noise_power(found: NDArray[np.float64]) -> NDArray[np.float64]:

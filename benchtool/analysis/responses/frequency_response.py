@@ -54,7 +54,7 @@ from benchtool.block import as_samples, require_rate
 from benchtool.errors import AnalysisError
 
 _ENOUGH_TRUSTED = 0.25  # of fewer periods: least share of the frequencies that are used
-_FEWEST_SEGMENTS = 4
+_FEWEST_SEGMENTS, _SHORTEST_SEGMENT = 4, 4  # below, no frequency is left beside dc and its neighbour
 _SEGMENTS = 16  # of the record, half overlapping, unless the caller says otherwise
 _NEAR, _STEP_NEAR = 16, 2  # so many reaches from zero frequency a fit stands at every second bin
 _DENSE = 5.0  # bins of 17: a sweep uses most, noise half, an input that repeats itself four times a quarter
@@ -131,14 +131,15 @@ def averaged_response(
     (IEEE Trans. Audio Electroacoust. 15 (1967) no. 2).
 
     Raises:
-        AnalysisError: fewer than four segments.
+        AnalysisError: fewer than four segments, or segments of fewer than four samples.
     """
-    size = segment or max(2, 2 * len(x) // (_SEGMENTS + 1))
-    segments = 2 * len(x) // size - 1
-    if segments < _FEWEST_SEGMENTS or size < 2:
+    size = segment or max(_SHORTEST_SEGMENT, 2 * len(x) // (_SEGMENTS + 1))
+    segments = 2 * len(x) // max(1, size) - 1
+    if segments < _FEWEST_SEGMENTS or size < _SHORTEST_SEGMENT:
         raise AnalysisError(
             f"{len(x)} samples hold {max(0, segments)} half-overlapping segments of {size}, at least "
-            f"{_FEWEST_SEGMENTS} are needed: record longer or choose shorter segments"
+            f"{_FEWEST_SEGMENTS} of {_SHORTEST_SEGMENT} or more are needed: record longer or choose other "
+            f"segments"
         )
 
     from scipy import signal  # draws in scipy.stats, which takes longer than all else here
@@ -181,15 +182,28 @@ def is_dense(x: NDArray[np.float64]) -> bool:
     input that repeats itself has not."""
     power = np.abs(fft.rfft(x)[1:]) ** 2
     width = 2 * REACH + 1
-    near = (
-        np.lib.stride_tricks.sliding_window_view(power, width)[::width] if len(power) >= width else power[:0]
-    )
-    excited = near[np.mean(near, axis=-1) > WELL_EXCITED * np.max(power, initial=0.0)]
+    if len(power) < width:
+        return False
+    near = np.lib.stride_tricks.sliding_window_view(power, width)[::width]
+    excited = near[np.mean(near, axis=1) > WELL_EXCITED * np.max(power)]
     if len(excited) == 0:
         return False
     # share of the bins that would hold equal power if the others had none
     used = np.sum(excited, axis=1) ** 2 / np.sum(excited**2, axis=1)
     return bool(np.median(used) >= _DENSE)
+
+
+def _together(
+    error: NDArray[np.float64],
+    shared: NDArray[np.float64],
+    added: NDArray[np.float64],
+    alike: NDArray[np.float64] | float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return errors together with others, and how many frequencies tell as much as one: so many `shared` by
+    the first and, by those that are added, as many as are `alike` where that is more."""
+    both = np.hypot(error, added)
+    own = np.divide(error, both, out=np.ones(len(both)), where=both > 0.0) ** 2
+    return both, own * shared + (1.0 - own) * np.maximum(shared, alike)
 
 
 def local_response(
@@ -248,16 +262,9 @@ def local_response(
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
     else:
         of_steps, alike, in_common = errors_of_output_steps(r, y, of_r.response, at)
-    error = np.hypot(found.error, of_steps)
-    shared = (shared * found.error**2 + np.maximum(shared, alike) * of_steps**2) / np.maximum(
-        error**2, np.finfo(np.float64).tiny
-    )
+    error, shared = _together(found.error, shared, of_steps, alike)
     for samples, doubts in drifts:
-        of_drift, own = _of_doubts(r, samples, doubts, at), error
-        error = np.hypot(own, of_drift)
-        shared = (shared * own**2 + np.maximum(shared, _ALIKE) * of_drift**2) / np.maximum(
-            error**2, np.finfo(np.float64).tiny
-        )
+        error, shared = _together(error, shared, _of_doubts(r, samples, doubts, at), _ALIKE)
     ends = "at rest at both ends" if at_rest else "with a line for what its ends leave in"
     by = "" if stimulus is None else ", by the stimulus"
     return FrequencyResponse(

@@ -27,6 +27,7 @@ FIRST_ROW = HALF_WIDTH - 1
 """Row at which the periods of a spectrum begin; those before, and the last 32, feed the interpolation."""
 
 _FEWEST_PERIODS = 2
+_PLACES, _GOES_BACK_RAD = 65, math.pi  # of a record, between which a phase does not go back by as much
 _CHUNK = 1 << 14  # of values at a time, so that intermediate arrays stay in the cache
 _ANY_PERIODS = 100  # up to here every number of periods is transformed fast enough
 
@@ -182,13 +183,19 @@ def coherent_samples_of_all(
 
     Raises:
         AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
-            that is not positive, or the fundamental is beyond the usable band.
+            that is not positive, or the fundamental is beyond the usable band or not above zero all along.
     """
     require_rate(sample_rate_Hz)
     columns = [as_samples(samples, name) for name, samples in signals.items()]
     for name, samples in zip(signals, columns, strict=True):
         require_signal(samples, name)
     name, count = ", ".join(signals), len(columns[0])
+    passed = track.at(np.linspace(0.0, count - 1.0, _PLACES))
+    if float(np.max(np.maximum.accumulate(passed) - passed)) > _GOES_BACK_RAD:
+        raise AnalysisError(
+            f"the frequency that was found for '{name}' goes through zero within {count} samples: choose a "
+            f"window in which the machine turns one way"
+        )
     first, last = FIRST_ROW, count - 1 - HALF_WIDTH
     begin, end = (float(each) for each in track.at(np.array([first, last], dtype=np.float64)))
     periods = math.floor((end - begin) / (2 * np.pi)) if last > first else 0
@@ -238,7 +245,7 @@ def coherent_spectrum(
 
     Raises:
         AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
-            that is not positive, or the fundamental is beyond the usable band.
+            that is not positive, or the fundamental is beyond the usable band or not above zero all along.
     """
     return spectrum_of(coherent_samples(samples, sample_rate_Hz, track, name))
 

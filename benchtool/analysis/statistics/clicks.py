@@ -65,7 +65,7 @@ def clicks_apart(deviations: Floats, step: float = 0.0) -> ClicksApart | None:
         return None
     gaps, spread = (
         np.log(np.maximum(least, tiny) / np.maximum(next_to, tiny)),
-        np.log(sizes[0] / sizes[counts - 1]),
+        np.log(sizes[0] / np.maximum(sizes[counts - 1], tiny)),
     )
     ratios = counts * np.maximum(gaps, 0.0) / np.maximum(spread, _ROUNDING)
     chances = [-float(np.sum(np.log1p(c / np.arange(1, m)))) for m, c in zip(counts, ratios, strict=True)]

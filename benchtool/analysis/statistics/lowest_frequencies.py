@@ -157,12 +157,11 @@ def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
     """Return how many bands are below the one from which on the density is clearly higher than before."""
-    total, bins = np.cumsum(mean * count), np.cumsum(count)
     for last in range(2, len(place)):
         near = np.flatnonzero(place[:last] >= 0.25 * place[last])
-        below = near[0] if len(near) else 0
-        bins_below = float(bins[last - 1] - (bins[below - 1] if below else 0.0))
-        of_below = float(total[last - 1] - (total[below - 1] if below else 0.0)) / bins_below
+        below = slice(near[0] if len(near) else 0, last)
+        bins_below = float(np.sum(count[below]))
+        of_below = float(mean[below] @ count[below]) / bins_below
         if bins_below >= 2.0:
             ratio = float(mean[last]) / of_below
             # no more than below is no rise, and the distribution takes time

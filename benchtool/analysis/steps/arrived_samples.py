@@ -358,6 +358,8 @@ def _in_course(errors: Floats, rms: float, begin: Instant) -> Floats:
 def _slopes(curve: Floats, scatter: float) -> Floats:
     """Return the slopes of a curve, shape (n,), as they may be where the times of its rows scatter: on a top,
     where they are zero at an instant, by its bend over as long, and by what its neighbours scatter."""
+    if len(curve) < 2:
+        return np.zeros(len(curve))
     square = np.pad(np.gradient(curve) ** 2, 1, mode="edge")
     beside = min(1.0, _OF_NEIGHBOURS * scatter**2)
     return np.asarray(np.sqrt((1.0 - beside) * square[1:-1] + 0.5 * beside * (square[:-2] + square[2:])))

@@ -14,7 +14,7 @@ from benchtool.analysis.steps.clicks import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.row_times import hold
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.validity import require_signal, require_unbroken
+from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -120,6 +120,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     require_unbroken(block)
     y, r = block.column(signal), block.column(reference)
     require_signal(y, signal)
+    require_finite(r, reference)
     unit, other = block.unit(signal), block.unit(reference)
     if unit != other:
         raise AnalysisError(
@@ -140,6 +141,11 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     y, r = y[first::held_rows], r[first::held_rows]
     instant = (begin + zero - first) / held_rows
     begin = math.ceil((begin - first) / held_rows)
+    if begin >= len(y):
+        raise AnalysisError(
+            f"no sample of '{signal}', each held for {held_rows} rows, follows the step in row {row}: record "
+            f"for longer after it"
+        )
     tail = max(1, round(TAIL * len(r)))
     clear, clicks = _without_clicks(y, begin)
     rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
@@ -235,6 +241,10 @@ def _begin(r: Floats, row: int, noise: float) -> tuple[int, float]:
 
 def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit: str) -> None:
     """Refuse staircases, square waves and doublets: numbers of a step mean nothing there."""
+    if not greatest > before:
+        raise AnalysisError(
+            f"'{name}' has no step that stands out of its own noise, one is needed: record across it"
+        )
     way = (r - before) / (greatest - before)
     low, high = _QUARTERS
     side = np.where(way >= high, 1, np.where(way <= low, 0, -1))

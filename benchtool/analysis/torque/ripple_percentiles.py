@@ -70,13 +70,14 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
     if is_of_size:
         independent = min(independent, _OVERLAPPING * (of_size.dof + 1.0))
     is_of_stretches = len(begin) >= _CORRELATED * independent
-    if not (is_of_size if len(begin) < 2 * _PARTS else is_of_stretches):
+    whole = percentile_range(rest)
+    if not (is_of_size if len(begin) < 2 * _PARTS else is_of_stretches) or whole == 0.0:
         return linear
     # few stretches make the tail, and with it the density there: those of parts say how much it varies
     count = min(_PARTS, len(begin))
     parts = np.array([percentile_range(rest[rows]) for rows in _parts(begin, len(samples), count)])
     of_parts = _WHOLE_OVER_PARTS * float(np.std(parts, ddof=1)) / math.sqrt(count)
-    of_parts *= (beyond.high - beyond.low) / percentile_range(rest)
+    of_parts *= (beyond.high - beyond.low) / whole
     of_parts = math.hypot(linear.standard, students_deviation(count - 1.0) * of_parts)
     if math.isfinite(of_size.standard):
         return MeanError(of_parts, count - 1.0)
