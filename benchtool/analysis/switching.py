@@ -14,7 +14,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
-from benchtool.analysis.validity import require_unbroken
+from benchtool.analysis.validity import require_finite, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -48,13 +48,15 @@ def mean_switching_frequency_Hz(switching_count: NDArray[np.float64], sample_per
     around as a u32; the duration is that of the n - 1 intervals between the samples.
 
     Raises:
-        AnalysisError: fewer than two samples, or the counter went backwards (the drive restarted).
+        AnalysisError: fewer than two samples, one that is not finite, or the counter went backwards (the
+            drive restarted).
     """
     if len(switching_count) < 2:
         raise AnalysisError(
             f"'switching_count' has {len(switching_count)} samples, at least 2 are needed: "
             f"record a longer window"
         )
+    require_finite(switching_count, "switching_count")
     turn_ons = np.mod(np.diff(switching_count), TICKS)
     if not np.all(turn_ons < TICKS / 2):
         raise AnalysisError(

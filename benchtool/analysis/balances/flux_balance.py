@@ -27,7 +27,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
-from benchtool.analysis.validity import clipping, require_unbroken
+from benchtool.analysis.validity import clipping, require_finite, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -145,8 +145,8 @@ def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBal
         delay_ticks: from a row to the period over which its voltage acts.
 
     Raises:
-        AnalysisError: a gap, a clipped current, ticks that were left out, too few periods with voltage, or no
-            parameters that explain the currents.
+        AnalysisError: a gap, a number that is not finite, a clipped current, ticks that were left out, too
+            few periods with voltage, or no parameters that explain the currents.
     """
     require_unbroken(block)
     if block.stride != 1:
@@ -154,6 +154,8 @@ def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBal
             f"the capture holds one tick in {block.stride}, each is needed to balance the flux: record with "
             f"stride = 1"
         )
+    for name in NEEDED:
+        require_finite(block.column(name), name)
     for name in PHASES:
         if clipped := clipping(block.column(name)):
             raise AnalysisError(f"'{name}': {clipped}: lower the current, or widen its range")

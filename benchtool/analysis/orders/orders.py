@@ -33,7 +33,7 @@ from benchtool.analysis.orders.wobble_source import WobbleSource, source_of_wobb
 from benchtool.analysis.periods import track_angle
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Uncertainty
-from benchtool.analysis.validity import require_unclipped
+from benchtool.analysis.validity import require_finite, require_unclipped
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Array, Section
@@ -357,6 +357,7 @@ class OrderSettings(Section):
 
 
 def _revolutions(window: Window) -> float:
+    require_finite(window.block.column("theta_m"), "theta_m")
     theta_m = np.unwrap(window.block.column("theta_m"))
     return abs(float(theta_m[-1] - theta_m[0])) / TURN
 
