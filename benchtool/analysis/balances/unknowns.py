@@ -198,8 +198,8 @@ def solve(
     size = max(block_rows, len(scores) // most_blocks)
     blocks = np.add.reduceat(scores, np.arange(0, len(scores), size), axis=0)
     dof = max(1.0, float(len(blocks) - count))
-    scatter = blocks.T @ blocks * (len(blocks) / dof)
-    robust = inverse @ scatter @ inverse
+    moves = blocks @ inverse  # of the unknowns, by each block alone: their product has no negative variances
+    robust = moves.T @ moves * (len(blocks) / dof)
     scale = np.sqrt(np.maximum(1.0, np.diag(inverse) / np.maximum(np.diag(robust), 1e-300)))
     covariance = robust * np.outer(scale, scale)
     units = np.outer(unit, unit)
