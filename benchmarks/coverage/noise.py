@@ -73,12 +73,13 @@ def heavy(random: np.random.Generator, count: int) -> Floats:
 
 
 def bursts(random: np.random.Generator, count: int) -> Floats:
-    """Return noise of unit rms, nine tenths of whose power is in a tenth of the record, in five bursts."""
+    """Return noise of unit rms, nine tenths of whose power is on average in a fifth of the record, in bursts
+    that each begin anywhere, whatever the others do: as many in every record would be no independent ones."""
     size = count // 50
-    level = np.full(count, math.sqrt(0.1 / 0.9))
-    for begin in random.choice(np.arange(0, count - size, size), 5, replace=False):
-        level[begin : begin + size] = 3.0
-    return level * random.standard_normal(count)
+    power = np.full(count, 0.1)
+    for begin in random.integers(-size, count, random.poisson(10.0 * (1.0 + size / count))):
+        power[max(0, begin) : begin + size] += 4.5
+    return np.sqrt(power) * random.standard_normal(count)
 
 
 def walk(random: np.random.Generator, count: int) -> Floats:
