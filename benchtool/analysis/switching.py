@@ -144,11 +144,9 @@ def switching_states(block: Block) -> SwitchingStates:
             f"'u_dc' is {float(np.nanmin(u_dc)):g} V in places, a dc link above 0 V is needed: "
             f"check that it was on and is measured"
         )
+    for name in ("u_alpha", "u_beta", "u_dc"):
+        require_finite(block.column(name), name)
     shares = vector_shares(block.column("u_alpha"), block.column("u_beta"), u_dc)
-    if not np.all(np.isfinite(shares)):
-        raise AnalysisError(
-            "'u_alpha' or 'u_beta' has samples that are not finite, numbers are needed: record again"
-        )
     rate_Hz = block.sample_rate_Hz
     basis = Basis(len(shares), rate_Hz, len(shares) / rate_Hz, reference="the PWM period", gaps=0)
     return SwitchingStates(tuple(_numbers(shares, basis)), (_table(shares, basis),), shares)

@@ -177,7 +177,6 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     spans = _spans(ticks, belief)
     solution, p, weighting = _iterate(ticks, belief, spans)
     left_out, errors = _errors(ticks, p)
-    error_A = _rms(errors, p, left_out)
     share = _unexplained(ticks, p, errors, left_out)
     if share > UNEXPLAINED or float(np.max(np.abs(p.gains - 1.0))) > _MOST_GAIN:
         raise AnalysisError(
@@ -185,6 +184,7 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
             f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "
             f"delay_ticks, and raise a current that hardly overcomes the dead time"
         )
+    error_A = _rms(errors, p, left_out)
     if solution.told("psi_r") and p.psi_r < _LEAST_FLUX * belief.psi_r:
         raise AnalysisError(
             f"no rotor flux turns with pole pairs times theta_m: the balance finds {p.psi_r:.3g} Wb, "
@@ -282,7 +282,7 @@ def _unexplained(ticks: Ticks, p: Electrical, errors_Vs: Complex, left_out: NDAr
         math.sqrt(float(np.mean(np.abs(np.add.reduceat(turned * each, starts)) ** 2)))
         for each in (errors_Vs, ticks.T_s * ticks.u_s)
     )
-    return left / whole if whole > 0.0 else math.inf
+    return left / whole if whole > 0.0 else 1.0
 
 
 def _rms(errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> float:
