@@ -116,7 +116,7 @@ class _Fits:
             rest[best],
             of_size[best],
             1.0 / size[best],
-            -rest[best] / scale - 0.5 * certain - 2.0 * np.sum(np.log(sizes), axis=1),
+            -rest[best] / scale - 0.5 * certain - 2.0 * np.sum(np.log(np.maximum(sizes, noise)), axis=1),
             scale,
         )
 
