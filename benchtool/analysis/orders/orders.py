@@ -254,7 +254,8 @@ def _largest(
     order = standing_out[0]
     basis = replace(_at(spectrum, order), order=order)
     unmoved = Sensitivities.unmoved(spectrum.signal)
-    yield Measurement(number, float(order), "", text, basis, sensitivities=unmoved)
+    why = "it is this order, or another one"
+    yield Measurement(number, float(order), "", text, basis, uncertainty_reason=why, sensitivities=unmoved)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     own = Sensitivities.of_line(spectrum.signal, value)
     yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain, sensitivities=own)

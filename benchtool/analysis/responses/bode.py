@@ -184,10 +184,16 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
     text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
     coherence = found.coherence[inside]
-    least = float(np.min(coherence))
-    yield Measurement("coherence_min", least, "", f"least {text}", basis, sensitivities=NO_SENSORS)
-    median = float(np.median(coherence))
-    yield Measurement("coherence_median", median, "", f"median {text}", basis, sensitivities=NO_SENSORS)
+    for which, value in (("min", float(np.min(coherence))), ("median", float(np.median(coherence)))):
+        yield Measurement(
+            f"coherence_{which}",
+            value,
+            "",
+            f"{'least' if which == 'min' else which} {text}",
+            basis,
+            uncertainty_reason="it is of this estimate, whose errors it describes",
+            sensitivities=NO_SENSORS,
+        )
     if not unit:
         yield from margins(frequency_Hz, response, error, basis)
 

@@ -18,8 +18,8 @@ from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
-from benchtool.analysis.statistics.scatter import MeanError, error_of_record, error_of_root
-from benchtool.analysis.uncertainty import Uncertainty, combined
+from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError, error_of_record, error_of_root
+from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.validity import require_finite, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -173,18 +173,19 @@ def _of_transducer(
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
     mean = float(np.mean(residual_Nm))
     text = f"mean of {what}"
-    uncertain = _uncertain(error_of_record(residual_Nm))
-    yield Measurement(
-        f"{name}_mean", mean, "Nm", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-    )
+    of_mean = _scatter(Measurement(f"{name}_mean", mean, "Nm", text, basis), error_of_record(residual_Nm))
+    yield replace(of_mean, sensitivities=SIGNED_AND_MEASURED_AGAIN)
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
     square = residual_Nm**2
-    uncertain = _uncertain(error_of_root(square, rms, error_of_record(square)))
-    yield Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis, uncertain)
+    of_rms = Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis)
+    yield _scatter(of_rms, error_of_root(square, rms, error_of_record(square)))
 
 
-def _uncertain(error: MeanError) -> Uncertainty | None:
-    return combined([error.line(_SCATTER)], _SCATTER)
+def _scatter(measured: Measurement, error: MeanError) -> Measurement:
+    """Return a measurement with the uncertainty by the scatter of its samples, or why it has none."""
+    uncertain = combined([error.line(_SCATTER)], _SCATTER)
+    why = TOO_SLOW if uncertain is None else ""
+    return replace(measured, uncertainty=uncertain, uncertainty_reason=why)
 
 
 def _of_window(window: Window) -> tuple[Measurement, ...]:

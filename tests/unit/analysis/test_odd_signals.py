@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from typing import Any
 
 import pytest
 
-from benchtool.analysis import Analysis, catalogue
+from benchtool.analysis import Analysis, Measurement, catalogue
 from benchtool.analysis.window import Window
 from benchtool.errors import AnalysisError
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
@@ -23,7 +24,19 @@ def measure(analysis: Analysis[Any], seed: int) -> None:
     settings = analysis.settings(**SETTINGS.get(analysis.name, {}))
     if analysis.possible(frozenset(window.block.names), settings, transducer=False):
         with suppress(AnalysisError):
-            analysis.measure(window, settings)
+            for each in analysis.measure(window, settings).measurements:
+                require_reasons(each)
+
+
+def require_reasons(measured: Measurement) -> None:
+    """Require a value or the reason why there is none, and an uncertainty or the reason why it has none."""
+    assert math.isfinite(measured.value) is not bool(measured.reason), measured.name
+    if math.isfinite(measured.value):
+        uncertainty = measured.uncertainty
+        assert (uncertainty is None) is bool(measured.uncertainty_reason), measured.name
+        assert uncertainty is None or math.isfinite(uncertainty.standard + uncertainty.expanded), (
+            measured.name
+        )
 
 
 @pytest.mark.parametrize("seed", range(12))
