@@ -1,19 +1,18 @@
-"""Layout of a table in a text file: delimiter, decimal sign, header and names."""
+"""Layout of a table in a text file: where its rows begin, and what the head above them says."""
 
 from __future__ import annotations
 
 import itertools
 import re
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from benchtool.errors import RecordingError
-from benchtool.tables.cells import BLANKS, is_no_name, is_number, kind_of_word
+from benchtool.tables.cells import is_no_name, kind_of_word
 from benchtool.tables.first_rows import ROWS, lines_of_head
+from benchtool.tables.fit import Fit, almost_a_number, best_fit
 from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import (
-    BAR,
     Column,
     are_units,
     bare_line,
@@ -30,24 +29,8 @@ from benchtool.tables.units import is_unit
 
 _HEAD_BYTES = 256 * 1024
 _SAMPLE_BYTES = 32 * 1024
-_MOST_COLUMNS = 4096
-# the first that fits; numbers with decimal commas between commas are in quotation marks
-_LAYOUTS = (
-    (",", "."),
-    (";", "."),
-    (";", ","),
-    ("\t", "."),
-    ("\t", ","),
-    (BAR, "."),
-    (BAR, ","),
-    (BLANKS, "."),
-    (BLANKS, ","),
-    (",", ","),
-)
-_SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
 _WHOLE = re.compile(r"[0-9]+")
 _ZEROS_FIRST = re.compile(r"0[0-9]+")
-_COMPLETE = 0.98  # share of numbers, but for a head
 _FEW = 0.05  # of the cells of a column
 
 
@@ -75,18 +58,6 @@ class Layout:
     signals: int = 0
 
 
-@dataclass(frozen=True)
-class _Fit:
-    """A layout of the sample, `share` of whose cells that are not empty are numbers."""
-
-    delimiter: str
-    decimal: str
-    width: int
-    numeric: tuple[bool, ...]
-    score: float
-    share: float
-
-
 def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = True) -> Layout:
     """Return the layout of a table in UTF-8, lines ended by newlines; `source` stands in the messages.
 
@@ -108,100 +79,47 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     if len(text) > len(head):
         del lines[-1]  # cut short
     sample = [line for line in _sampled(text, lines) if line.strip() and not is_comment(line)]
-    found = _best(sample, decimal, timed=timed)
-    if found is None:
-        seen = _almost_a_number(sample)
+    fit = best_fit(sample, decimal, timed=timed)
+    if fit is None:
+        seen = almost_a_number(sample)
         fewest = "at least two numbers" if timed else "numbers"
         raise RecordingError(
             f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of {fewest} "
             f"are expected, separated by comma, semicolon, tab, | or blanks, times in seconds or as "
             f"2026-01-31 23:59:59.5: export it as such"
         )
-    delimiter, decimal, width, numeric = found.delimiter, found.decimal, found.width, found.numeric
+    cells_of = [fit.cells(line.decode(errors="replace")) for line in sample]
+    by_column = list(zip(*(cells for cells in cells_of if len(cells) == fit.width), strict=True))
     texts = [line.decode(errors="replace") for line in lines]
-    rows = [
-        not is_comment(line) and _is_row(split(each, delimiter), delimiter, decimal, width, numeric)
-        for line, each in zip(lines, texts, strict=True)
-    ]
+    rows = _rows(lines, texts, fit, by_column)
     if not any(rows):
         raise RecordingError(
             f"{source}: no line of numbers within the first {len(head)} bytes, a head of a few lines is "
             f"expected: cut the head"
         )
-    cells_of = [split(line.decode(errors="replace"), delimiter) for line in sample]
-    by_column = list(zip(*(cells for cells in cells_of if len(cells) == width), strict=True))
-    whole = [_is_whole(cells) for cells in by_column]
-    # a few numbers in a column are those of the head
-    filled = [
-        kept and 2 * sum(map(bool, cells)) > len(cells)
-        for cells, kept in zip(by_column, numeric, strict=True)
-    ]
-    for place in range(rows.index(True) - 1, -1, -1):
-        cells = split(texts[place], delimiter)
-        rows[place] = not is_comment(lines[place]) and _is_first_row(
-            cells, delimiter, decimal, width, filled, whole
-        )
-        if not rows[place]:
-            break
-    # columns at the end that are empty in every row are delimiters that end a line
-    in_rows = [cells for cells in cells_of if _is_row(cells, delimiter, decimal, width, numeric)]
-    used = max((number for cells in in_rows for number, cell in enumerate(cells, 1) if cell), default=width)
-    # a first column that is empty in the rows has the labels of lines of the head
-    is_labelled = not numeric[0] and 2 * sum(not cells[0] for cells in in_rows) > len(in_rows)
-    if is_labelled:
-        rows = _below_labels(texts, rows, delimiter)
-    head_lines = rows.index(True)
-    places = [place for place in range(head_lines, len(rows)) if rows[place]][: ROWS + 3]
-    first = [split(texts[place], delimiter) for place in places]
-    columns = columns_of(texts[:head_lines], delimiter, used, width, is_labelled=is_labelled)
-    if not columns and (below := rows_below_names(texts, rows, delimiter, numeric)):
-        head_lines = below
-        columns = columns_of(texts[:head_lines], delimiter, used, width)
-    numbers = ""
-    if head_lines == places[0] and (count := lines_of_head(first, numeric, decimal, delimiter)):
-        head_lines, numbers = places[count], bare_line(texts[places[count - 1]])[:80]
-        columns = columns_of(texts[:head_lines], delimiter, used, width, is_labelled=is_labelled)
-    last = "" if columns else _last_of(texts[:head_lines])
-    if not columns and delimiter == "," and all(whole):
-        _require_no_split_decimals(last, texts[head_lines], by_column, source)
-    begin = sum(len(line) + 1 for line in lines[:head_lines])
-    columns += tuple(Column("", "") for _ in range(width - len(columns)))
-    columns = tuple(
-        Column(each.name, "s", stamps=True) if _is_stamped(cells) else each
-        for each, cells in zip(columns, by_column, strict=True)
+    in_rows = [cells for cells in cells_of if fit.is_row(cells)]
+    above = _head(texts, rows, fit, in_rows)
+    in_head = texts[: above.lines]
+    last = "" if above.columns else _last_of(in_head)
+    if not above.columns and fit.delimiter == "," and all(map(_is_whole, by_column)):
+        _require_no_split_decimals(last, texts[above.lines], by_column, source)
+    named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
+    words = filter(is_unit, _aside(cells_of, fit))
+    return Layout(
+        fit.delimiter,
+        fit.decimal,
+        tuple(
+            Column(each.name, "s", stamps=True) if _is_stamped(cells) else each
+            for each, cells in zip(named, by_column, strict=True)
+        ),
+        above.lines,
+        begin=sum(len(line) + 1 for line in lines[: above.lines]),
+        head=last,
+        is_open=_is_open(fit, by_column),
+        head_units=tuple(dict.fromkeys((*units_in(in_head, fit.delimiter), *words))),
+        head_numbers=above.numbers,
+        signals=signal_column(in_rows, fit.numeric),
     )
-    kept = [cells for cells, is_kept in zip(by_column, numeric, strict=True) if is_kept]
-    other = "." if decimal == "," else ","
-    is_open = Use.NOTHING < max(use_of(decimal, cells) for cells in kept) < Use.DECIMALS
-    is_open |= any(use_of(other, cells) == Use.EITHER for cells in kept)
-    aside = _aside(cells_of, delimiter, decimal, numeric)
-    units = tuple(dict.fromkeys((*units_in(texts[:head_lines], delimiter), *filter(is_unit, aside))))
-    names_of = signal_column(in_rows, numeric)
-    return Layout(delimiter, decimal, columns, head_lines, begin, last, is_open, units, numbers, names_of)
-
-
-def _aside(
-    sample: Sequence[Sequence[str]], delimiter: str, decimal: str, numeric: Sequence[bool]
-) -> dict[str, None]:
-    """Return what stands in the lines of a sample beside the numbers of a row, and in lines that are none;
-    letters alone are left out."""
-    found: dict[str, None] = {}
-    for cells in sample:
-        is_row = _is_row(cells, delimiter, decimal, len(numeric), numeric)
-        words = (cell for place, cell in enumerate(cells) if not (is_row and numeric[place]))
-        found |= dict.fromkeys(bare for word in words if len(bare := word.strip("()[]{}<> ")) > 1)
-    return found
-
-
-def _almost_a_number(sample: Sequence[bytes]) -> str:
-    """Return a cell of the lines that only begins like a number, such as a date; empty if there is none."""
-    for line in sample[1:]:
-        for delimiter in (",", ";", "\t", BAR, BLANKS):
-            cells = split(line.decode(errors="replace"), delimiter)
-            for cell in cells if len(cells) > 1 else ():
-                if cell[:1].isdigit() and not has_number(cell):
-                    return cell[:40]
-    return ""
 
 
 def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
@@ -212,107 +130,100 @@ def _sampled(text: bytes, head: Sequence[bytes]) -> Iterator[bytes]:
             yield from text[begin : begin + _SAMPLE_BYTES].split(b"\n")[1:-1]
 
 
-def _best(sample: Sequence[bytes], stated: str, *, timed: bool) -> _Fit | None:
-    """Return what fits best; None where no two columns are of numbers, nor one where that is enough.
-
-    Numbers in groups of digits count where not all cells are plain numbers. Blanks that separate groups
-    between tabs separate no columns.
-    """
-    texts = [line.decode(errors="replace") for line in sample]
-    layouts = [each for each in _LAYOUTS if stated in ("", each[1])]
-    if timed:
-        return _best_fit(texts, layouts)
-    # a stated decimal comma separates no columns
-    quoted = [each for each in layouts if each[0] != stated or any('"' in text for text in texts)]
-    return _best_fit(texts, quoted) or _best_of(texts, quoted, groups=False, fewest=1)
-
-
-def _best_fit(texts: Sequence[str], layouts: Sequence[tuple[str, str]]) -> _Fit | None:
-    """Return what fits best with two columns of numbers or more."""
-    found = _best_of(texts, layouts, groups=False)
-    tabbed = [each for each in layouts if each[0] == "\t"] if found and found.delimiter == BLANKS else []
-    if tabbed and 2 * sum("\t" in text for text in texts) > len(texts):
-        by_tabs = _best_of(texts, tabbed, groups=True)
-        if by_tabs is not None and by_tabs.share > _COMPLETE:
-            return by_tabs
-    if found is not None and found.share > _COMPLETE:
-        return found
-    grouped = _best_of(texts, layouts, groups=True)
-    return grouped if found is None or (grouped and grouped.score > found.score) else found
+def _rows(
+    lines: Sequence[bytes], texts: Sequence[str], fit: Fit, by_column: Sequence[Sequence[str]]
+) -> list[bool]:
+    """Return which lines are rows: those that fit, and the ones right above that have a number in a column
+    of numbers; `by_column` are the cells of the sample."""
+    cells_of = [[] if is_comment(line) else fit.cells(text) for line, text in zip(lines, texts, strict=True)]
+    rows = [fit.is_row(cells) for cells in cells_of]
+    whole = [_is_whole(cells) for cells in by_column]
+    # a few numbers in a column are those of the head
+    filled = [
+        kept and 2 * sum(map(bool, cells)) > len(cells)
+        for cells, kept in zip(by_column, fit.numeric, strict=True)
+    ]
+    first = rows.index(True) if any(rows) else 0
+    for place in range(first - 1, -1, -1):
+        if not _is_first_row(cells_of[place], fit, filled, whole):
+            break
+        rows[place] = True
+    return rows
 
 
-def _best_of(
-    texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool, fewest: int = 2
-) -> _Fit | None:
-    best: _Fit | None = None
-    for delimiter, decimal in layouts:
-        by_width: dict[int, list[list[str]]] = defaultdict(list)
-        for text in texts:
-            cells = split(text, delimiter)
-            if fewest <= len(cells) <= _MOST_COLUMNS:
-                by_width[len(cells)].append(cells)
-        between = delimiter if groups else ""
-        for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
-            rows = found[-(-len(found) * (part - 1) // part) :]
-            columns = list(zip(*rows, strict=True))
-            others = [[cell for cell in cells if not is_number(cell, decimal, between)] for cells in columns]
-            counts = [len(rows) - len(cells) for cells in others]
-            filled = [
-                count + sum(kind_of_word(cell) is None for cell in cells)
-                for count, cells in zip(counts, others, strict=True)
-            ]
-            numeric = tuple(
-                count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
-            )
-            numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
-            share = numbers / max(1, sum(filled))
-            # many numbers, and few cells that are not
-            if sum(numeric) >= fewest and numbers * share**2 > (best.score if best else 0.0):
-                best = _Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
-    return best
+@dataclass(frozen=True)
+class _Head:
+    """What stands above the rows: so many `lines`, the `columns` that they name, and the last one of
+    `numbers`, if any was taken for a row at first."""
+
+    lines: int
+    columns: tuple[Column, ...]
+    numbers: str = ""
 
 
-def _is_row(cells: Sequence[str], delimiter: str, decimal: str, width: int, numeric: Sequence[bool]) -> bool:
-    """Return whether the cells are a row: at least half numbers; the rest empty or a word in place of one."""
-    if len(cells) != width:
-        return False
-    wanted = [cell for cell, is_numeric in zip(cells, numeric, strict=True) if is_numeric]
-    numbers = [is_number(cell, decimal, delimiter) for cell in wanted]
-    fits = (good or kind_of_word(cell) is not None for cell, good in zip(wanted, numbers, strict=True))
-    return sum(numbers) >= 0.5 * len(numbers) and all(fits)
+def _head(texts: Sequence[str], rows: list[bool], fit: Fit, in_rows: Sequence[Sequence[str]]) -> _Head:
+    """Return the head above `rows`, which are marked among the lines; `in_rows` are cells of sampled rows."""
+    # columns at the end that are empty in every row are delimiters that end a line
+    used = max(
+        (number for cells in in_rows for number, cell in enumerate(cells, 1) if cell), default=fit.width
+    )
+    # a first column that is empty in the rows has the labels of lines of the head
+    is_labelled = not fit.numeric[0] and 2 * sum(not cells[0] for cells in in_rows) > len(in_rows)
+    if is_labelled:
+        rows = _below_labels(texts, rows, fit)
+    places = [place for place, is_row in enumerate(rows) if is_row][: ROWS + 3]
+    first = [fit.cells(texts[place]) for place in places]
+    found = _Head(
+        places[0], columns_of(texts[: places[0]], fit.delimiter, used, fit.width, is_labelled=is_labelled)
+    )
+    if not found.columns and (below := rows_below_names(texts, rows, fit.delimiter, fit.numeric)):
+        found = _Head(below, columns_of(texts[:below], fit.delimiter, used, fit.width))
+    if found.lines == places[0] and (count := lines_of_head(first, fit.numeric, fit.decimal, fit.delimiter)):
+        lines, numbers = places[count], bare_line(texts[places[count - 1]])[:80]
+        columns = columns_of(texts[:lines], fit.delimiter, used, fit.width, is_labelled=is_labelled)
+        return _Head(lines, columns, numbers)
+    return found
 
 
-def _is_first_row(
-    cells: Sequence[str],
-    delimiter: str,
-    decimal: str,
-    width: int,
-    numeric: Sequence[bool],
-    whole: Sequence[bool],
-) -> bool:
-    """Return whether cells above the rows are a row as well: a number in a column of numbers, or nothing but
-    words in place of numbers.
+def _is_open(fit: Fit, by_column: Sequence[Sequence[str]]) -> bool:
+    """Return whether the decimal sign, or the other one, stands only where one between thousands might."""
+    kept = list(itertools.compress(by_column, fit.numeric))
+    other = "." if fit.decimal == "," else ","
+    own = max(use_of(fit.decimal, cells) for cells in kept)
+    return Use.NOTHING < own < Use.DECIMALS or any(use_of(other, cells) == Use.EITHER for cells in kept)
+
+
+def _aside(sample: Sequence[Sequence[str]], fit: Fit) -> dict[str, None]:
+    """Return what stands in the lines of a sample beside the numbers of a row, and in lines that are none;
+    letters alone are left out."""
+    found: dict[str, None] = {}
+    for cells in sample:
+        is_row = fit.is_row(cells)
+        words = (cell for place, cell in enumerate(cells) if not (is_row and fit.numeric[place]))
+        found |= dict.fromkeys(bare for word in words if len(bare := word.strip("()[]{}<> ")) > 1)
+    return found
+
+
+def _is_first_row(cells: Sequence[str], fit: Fit, filled: Sequence[bool], whole: Sequence[bool]) -> bool:
+    """Return whether cells above the rows are a row as well: a number in a column that is `filled` with
+    numbers, or nothing but words in place of numbers.
 
     The numbers of channels (`t,1,2`) are whole above others that are not, and names of columns.
     """
-    if len(cells) != width or are_units(cells):
+    if len(cells) != fit.width or are_units(cells):
         return False
-    wanted = [
-        (cell, is_whole)
-        for cell, is_numeric, is_whole in zip(cells, numeric, whole, strict=True)
-        if is_numeric
-    ]
-    numbers = [(cell, is_whole) for cell, is_whole in wanted if is_number(cell, decimal, delimiter)]
+    wanted = list(itertools.compress(zip(cells, whole, strict=True), filled))
+    numbers = [(cell, is_whole) for cell, is_whole in wanted if fit.is_number(cell)]
     if not numbers:
         return any(cell for cell, _ in wanted) and all(is_no_name(cell) for cell, _ in wanted)
     words = any(cell and kind_of_word(cell) is None for cell, _ in wanted if not has_number(cell))
     return not (words and all(_WHOLE.fullmatch(cell) and not is_whole for cell, is_whole in numbers))
 
 
-def _below_labels(texts: Sequence[str], rows: Sequence[bool], delimiter: str) -> list[bool]:
+def _below_labels(texts: Sequence[str], rows: Sequence[bool], fit: Fit) -> list[bool]:
     """Return which lines are rows: of those with a label in the first cell only the ones right above the rows
     without, as of an oscilloscope that writes its settings beside them."""
-    bare = [is_row and not split(text, delimiter)[0] for is_row, text in zip(rows, texts, strict=True)]
+    bare = [is_row and not fit.cells(text)[0] for is_row, text in zip(rows, texts, strict=True)]
     first = bare.index(True) if any(bare) else 0
     others = [place for place in range(first) if not rows[place] and texts[place].strip()]
     return [is_row and place > max(others, default=-1) for place, is_row in enumerate(rows)]

@@ -10,10 +10,16 @@ from benchtool.errors import AnalysisError
 from benchtool.tables.head import Column
 from benchtool.tables.layout import Layout
 from benchtool.tables.scaling import Scaling, scaling, speed_hint
-from benchtool.tables.units import PERCENT, is_reciprocal_second, unit_behind, unit_factor, units_of
+from benchtool.tables.units import (
+    PERCENT,
+    is_reciprocal_second,
+    name_before_unit,
+    unit_behind,
+    unit_factor,
+    units_of,
+)
 
 _SPEED = "rad/s"
-_JOINT = re.compile(r"[:=@]")  # between a name and its unit: t:ms, i=mA
 _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
 
 
@@ -135,7 +141,7 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
         return int(match[1]) - 1 if 1 <= int(match[1]) <= len(columns) else None
     names = [column.name for column in columns]
     bare = [column.bare_name for column in columns]
-    joined = [_JOINT.split(name)[0].strip() for name in bare]
+    joined = [name_before_unit(name) for name in bare]
     others = [(column.other_name, *column.aliases) for column in columns]
     exact: list[list[tuple[str, ...]]] = [[(name,) for name in each] for each in (names, bare, joined)]
     exact.append(others)

@@ -194,7 +194,8 @@ _NAMES = frozenset(
 _FEWEST_LETTERS = 5  # of a word that no unit is mistaken for: lbfin and kgfcm are one letter off
 _NEAR = {5: 1, 8: 2}  # edits by which a word of so many letters or more is a misspelt one of a unit
 _ATTENUATION = re.compile(r"[xX×*:/]\s*1(?:0+)(?:\.0*)?|10+\s*(?:[xX×*]|:\s*1)|1\s*:\s*10+")  # of a probe
-_JOINTS = r"[_\s:=.@,;-]+"
+_UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
+_JOINTS = rf"[_\s.,;{_UNIT_SIGNS}-]+"
 _HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])"  # behind m it may be that of mNm
 _INDEX = re.compile(r"[0-9]+|[a-z]{0,3}[0-9]{1,3}|[abcdiqruvwxyz]|[0-9:,;]+", re.IGNORECASE)
 
@@ -316,6 +317,11 @@ def unit_behind(name: str, unit: str) -> str:
     first = splits[0][0]
     is_unit_first = len(splits[0]) > 1 and len(first) > 1 and first.lower() not in ("min", "max")
     return first if is_unit_first and unit_factor(first, unit) is not None else ""
+
+
+def name_before_unit(name: str) -> str:
+    """Return a name without the sign of its unit and what is behind it (`t:ms`, `i=mA`)."""
+    return re.split(f"[{_UNIT_SIGNS}]", name)[0].strip()
 
 
 def units_of(unit: str) -> str:

@@ -1,0 +1,132 @@
+"""Delimiter and decimal sign of a table in a text file: those by which most of its cells are numbers."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from benchtool.tables.cells import BLANKS, is_number, kind_of_word
+from benchtool.tables.head import BAR, has_number, split
+
+_MOST_COLUMNS = 4096
+# the first that fits; numbers with decimal commas between commas are in quotation marks
+_LAYOUTS = (
+    (",", "."),
+    (";", "."),
+    (";", ","),
+    ("\t", "."),
+    ("\t", ","),
+    (BAR, "."),
+    (BAR, ","),
+    (BLANKS, "."),
+    (BLANKS, ","),
+    (",", ","),
+)
+_SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
+_COMPLETE = 0.98  # share of numbers, but for a head
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Lines of `width` cells by a `delimiter` and a `decimal` sign; which of the columns are `numeric`.
+
+    `share` of the cells of the sample that are not empty are numbers; the higher the `score` the better.
+    """
+
+    delimiter: str
+    decimal: str
+    width: int
+    numeric: tuple[bool, ...]
+    score: float
+    share: float
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a line."""
+        return split(line, self.delimiter)
+
+    def is_number(self, cell: str) -> bool:
+        """Return whether a cell is a number, in groups of digits where those cannot be columns."""
+        return is_number(cell, self.decimal, self.delimiter)
+
+    def is_row(self, cells: Sequence[str]) -> bool:
+        """Return whether the cells are a row: at least half numbers; the rest empty or a word in place of
+        one."""
+        if len(cells) != self.width:
+            return False
+        wanted = list(itertools.compress(cells, self.numeric))
+        numbers = [self.is_number(cell) for cell in wanted]
+        fits = (good or kind_of_word(cell) is not None for cell, good in zip(wanted, numbers, strict=True))
+        return sum(numbers) >= 0.5 * len(numbers) and all(fits)
+
+
+def best_fit(sample: Sequence[bytes], stated: str, *, timed: bool) -> Fit | None:
+    """Return what fits best; None where no two columns are of numbers, nor one where that is enough.
+
+    Numbers in groups of digits count where not all cells are plain numbers. Blanks that separate groups
+    between tabs separate no columns.
+    """
+    texts = [line.decode(errors="replace") for line in sample]
+    layouts = [each for each in _LAYOUTS if stated in ("", each[1])]
+    if timed:
+        return _best_of_two(texts, layouts)
+    # a stated decimal comma separates no columns
+    quoted = [each for each in layouts if each[0] != stated or any('"' in text for text in texts)]
+    return _best_of_two(texts, quoted) or _best_of(texts, quoted, groups=False, fewest=1)
+
+
+def _best_of_two(texts: Sequence[str], layouts: Sequence[tuple[str, str]]) -> Fit | None:
+    """Return what fits best with two columns of numbers or more."""
+    found = _best_of(texts, layouts, groups=False)
+    tabbed = [each for each in layouts if each[0] == "\t"] if found and found.delimiter == BLANKS else []
+    if tabbed and 2 * sum("\t" in text for text in texts) > len(texts):
+        by_tabs = _best_of(texts, tabbed, groups=True)
+        if by_tabs is not None and by_tabs.share > _COMPLETE:
+            return by_tabs
+    if found is not None and found.share > _COMPLETE:
+        return found
+    grouped = _best_of(texts, layouts, groups=True)
+    return grouped if found is None or (grouped and grouped.score > found.score) else found
+
+
+def _best_of(
+    texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool, fewest: int = 2
+) -> Fit | None:
+    best: Fit | None = None
+    for delimiter, decimal in layouts:
+        by_width: dict[int, list[list[str]]] = defaultdict(list)
+        for text in texts:
+            cells = split(text, delimiter)
+            if fewest <= len(cells) <= _MOST_COLUMNS:
+                by_width[len(cells)].append(cells)
+        between = delimiter if groups else ""
+        for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
+            rows = found[-(-len(found) * (part - 1) // part) :]
+            columns = list(zip(*rows, strict=True))
+            others = [[cell for cell in cells if not is_number(cell, decimal, between)] for cells in columns]
+            counts = [len(rows) - len(cells) for cells in others]
+            filled = [
+                count + sum(kind_of_word(cell) is None for cell in cells)
+                for count, cells in zip(counts, others, strict=True)
+            ]
+            numeric = tuple(
+                count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
+            )
+            numbers = sum(count for count, kept in zip(counts, numeric, strict=True) if kept)
+            share = numbers / max(1, sum(filled))
+            # many numbers, and few cells that are not
+            if sum(numeric) >= fewest and numbers * share**2 > (best.score if best else 0.0):
+                best = Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
+    return best
+
+
+def almost_a_number(sample: Sequence[bytes]) -> str:
+    """Return a cell of the lines that only begins like a number, such as a date; empty if there is none."""
+    for line in sample[1:]:
+        for delimiter in (",", ";", "\t", BAR, BLANKS):
+            cells = split(line.decode(errors="replace"), delimiter)
+            for cell in cells if len(cells) > 1 else ():
+                if cell[:1].isdigit() and not has_number(cell):
+                    return cell[:40]
+    return ""
