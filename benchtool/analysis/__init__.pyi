@@ -26,8 +26,10 @@ from .measurement import (
 )
 from .numbers import (
     NOTHING as NOTHING,
+    count_of as count_of,
     number as number,
     placed as placed,
+    probability as probability,
     raw as raw,
     signed as signed,
     stated as stated,

@@ -12,6 +12,7 @@ _MINUS: Final = "−"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DIGITS = 4
 _MOST_DIGITS = 10
+_LEAST_PROBABILITY = 0.001
 _SMALLEST, _LARGEST = 1e-3, 1e6  # outside, powers of ten are set apart
 
 
@@ -44,7 +45,7 @@ def stated(value: float, uncertainty: float | None) -> str:
     if place > 0:
         value, uncertainty = round(value, -place), round(uncertainty, -place)
     beside = number(uncertainty, 2) if decimals < -place else f"{uncertainty:.{decimals}f}"
-    text = f"{_signed(f'{value:.{decimals}f}')} ± {beside}"
+    text = f"{_signed(f'{value:z.{decimals}f}')} ± {beside}"
     return f"({text}) × {_power(scaled)}" if scaled else text
 
 
@@ -62,6 +63,18 @@ def placed(value: float, uncertainty: float | None) -> str:
 def signed(value: float, digits: int = 3) -> str:
     """Return a difference, with its sign."""
     return f"+{number(value, digits)}" if value > 0 else number(value, digits)
+
+
+def probability(value: float) -> str:
+    """Return a probability to three decimals; one that rounds to 0 or 1 as beyond the last of them."""
+    if value < _LEAST_PROBABILITY:
+        return f"< {_LEAST_PROBABILITY}"
+    return f"> {1.0 - _LEAST_PROBABILITY}" if value > 1.0 - _LEAST_PROBABILITY else f"{value:.3f}"
+
+
+def count_of(count: int, one: str, several: str = "") -> str:
+    """Return a number of things: `1 row`, `2 rows`, with `several` if that is not `one` and an s."""
+    return f"{count} {one if count == 1 else several or f'{one}s'}"
 
 
 def raw(value: object) -> str:

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from benchtool.analysis import Measurement, catalogue, placed, undefined, with_expanded
+from benchtool.analysis import Measurement, catalogue, placed, probability, undefined, with_expanded
 from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
 from benchtool.plan import Limit, Verdict
-from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text
+from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text, waived_limits
 
 _MOST_COLUMNS = 7
 
@@ -53,18 +53,12 @@ def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
 
 def show_waived(output: Output, result: RunResult) -> None:
     """Print each limit that was not met and is waived, with who consents and why."""
-    cases = result.assessments
-    found = [(_of(case, cases), each, case.limits[each.name]) for case in cases for each in case.waived]
-    found += [
-        (f"{case}: ", each.waived, each.limit)
-        for case, together in result.repeated.items()
-        for each in together
-        if each.waived is not None and each.limit is not None
-    ]
-    for of, each, limit in found:
-        waived = limit.waived
-        assert waived is not None  # or it would count
-        output.sentence(f"{of}{each} ({waived.reason}, {waived.by})", lead="  waived: ", style="yellow")
+    prefixed = len(result.assessments) > 1
+    for each in waived_limits(result.assessments, result.repeated):
+        of, consent = f"{each.case}: " if prefixed else "", each.consent
+        output.sentence(
+            f"{of}{each.missed} ({consent.reason}, {consent.by})", lead="  waived: ", style="yellow"
+        )
 
 
 def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
@@ -207,9 +201,9 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         if result.recorded is not None and not math.isfinite(each.value):
             continue  # below, with the reason
         limit = result.limits.get(each.name)
-        bounds = "" if limit is None else f"{_bound('≥', limit.min)}{_bound('≤', limit.max)}"
+        bounds = "" if limit is None else limit.bounds
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
-        cells = (each.name, measured(each), *beside, each.unit, bounds.strip(), _judged(result, each.name))
+        cells = (each.name, measured(each), *beside, each.unit, bounds, _judged(result, each.name))
         rows.append(cells)
     headings = (f">{name}" for name in published)
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
@@ -229,7 +223,7 @@ def _judged(result: Assessment, name: str) -> str:
 
 
 def _verdict(verdict: Verdict, conformance: float | None) -> str:
-    return str(verdict) if conformance is None else f"{verdict}, P {conformance:.3g}"
+    return str(verdict) if conformance is None else f"{verdict}, P {probability(conformance)}"
 
 
 def _rules(limits: Mapping[str, Limit]) -> str:
@@ -237,7 +231,3 @@ def _rules(limits: Mapping[str, Limit]) -> str:
     rules = [f"{name} {limit.rule}" for name, limit in limits.items() if limit.margin]
     simple = next((limit.rule for limit in limits.values() if not limit.margin), "")
     return ", ".join((*rules, f"{'others ' if rules else ''}{simple}") if simple else rules)
-
-
-def _bound(sign: str, value: float | None) -> str:
-    return "" if value is None else f"{sign} {value:g} "

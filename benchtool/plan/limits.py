@@ -113,8 +113,8 @@ class Limit(Section):
             most = 0.5 * (self.max - self.min)
             if self.margin > most * (1.0 + _ROUNDING):
                 raise ValueError(
-                    f"margin {self.margin:g} lets no value between min and max pass, at most half of their "
-                    f"distance is expected, {most:g}: widen the bounds, or state a smaller margin"
+                    f"margin {self.margin:g} lets no value pass, at most half of max − min is expected, "
+                    f"{most:g}: state a smaller one"
                 )
         return self
 
@@ -144,15 +144,17 @@ class Limit(Section):
             return None
         if not (math.isfinite(value) and math.isfinite(uncertainty.expanded)):
             return None
+        return uncertainty.probability_within(*self.distances(value))
+
+    def distances(self, value: float) -> tuple[float, float]:
+        """Return how far from a value the least and the greatest one are that the bounds allow."""
         least = -math.inf if self.min is None else self.min - value
-        greatest = math.inf if self.max is None else self.max - value
-        return uncertainty.probability_within(least, greatest)
+        return least, math.inf if self.max is None else self.max - value
 
     def headroom(self, value: float) -> float:
         """Return how far inside the nearer bound a value lies; negative outside."""
-        below = math.inf if self.min is None else value - self.min
-        above = math.inf if self.max is None else self.max - value
-        return min(below, above)
+        least, greatest = self.distances(value)
+        return min(-least, greatest)
 
     def shortfall(self, value: float) -> str:
         """Return the bound that a value violates and by how much; empty if it violates none."""
@@ -175,11 +177,11 @@ class Limit(Section):
 
     @property
     def bounds(self) -> str:
-        """`>= 1, <= 2`, or `= 1`."""
+        """`≥ 1, ≤ 2`, or `= 1`."""
         if self.min is not None and self.min == self.max:
             return f"= {self.min:.12g}"
-        signs = ((">=", self.min), ("<=", self.max))
-        return ", ".join(f"{sign} {bound:g}" for sign, bound in signs if bound is not None)
+        signs = (("≥", self.min), ("≤", self.max))
+        return ", ".join(f"{sign} {bound:.7g}" for sign, bound in signs if bound is not None)
 
     @property
     def rule(self) -> str:

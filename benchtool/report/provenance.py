@@ -16,7 +16,7 @@ from benchtool.errors import BenchError
 from benchtool.profile import Choice, Profile
 from benchtool.recording import MANIFEST, Bundle, Event, Level, Manifest, reading
 from benchtool.report.content import Cell, Facts, Grid, Item, Section, Text
-from benchtool.report.results import Bounds, measurements_section
+from benchtool.report.results import JudgedLimit, measurements_section
 
 _RESULTS = (MANIFEST, "measurements.json", "tables.json", "certificate.json")
 _SHOWN_EVENTS = 30
@@ -107,7 +107,7 @@ def _option(words: Sequence[str], name: str) -> str:
     return ""
 
 
-def quality_section(bundle: Bundle, limits: Mapping[str, Bounds]) -> Section:
+def quality_section(bundle: Bundle, limits: Mapping[str, JudgedLimit]) -> Section:
     """Return the data-quality certificate: whether the data are complete, and each of its numbers."""
     certificate = bundle.certificate
     title = "Data quality"

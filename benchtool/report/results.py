@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,9 +14,11 @@ from benchtool.analysis import (
     Table,
     Uncertainty,
     number,
+    probability,
     raw,
     with_expanded,
 )
+from benchtool.plan import Limit
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 
 _SHOWN_ROWS = 10
@@ -23,38 +26,32 @@ _GAPS = {0: "no gaps", 1: "1 gap"}
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """A limit as it is printed; `rule` is the decision rule in words, `conformance` the probability that the
-    limit is met, where the measurement has an uncertainty, and `no_conformance` why there is none."""
+class JudgedLimit:
+    """A limit as it is printed, with its verdict; `conformance` is the probability that the limit is met,
+    where the measurement has an uncertainty, and `no_conformance` why there is none."""
 
-    least: float | None
-    greatest: float | None
-    rule: str
+    limit: Limit
     verdict: Mark
     conformance: float | None = None
     no_conformance: str = ""
 
     @property
-    def text(self) -> str:
+    def bounds(self) -> str:
         """`≥ 1, ≤ 2`."""
-        signs = (("≥", self.least), ("≤", self.greatest))
-        return ", ".join(
-            f"{sign}\N{NO-BREAK SPACE}{raw(bound)}" for sign, bound in signs if bound is not None
-        )
-
-    def headroom(self, value: float) -> tuple[float, float]:
-        """Return how far a value is from the nearer bound, negative beyond it, and that bound."""
-        sides = [(value - self.least, self.least)] if self.least is not None else []
-        sides += [(self.greatest - value, self.greatest)] if self.greatest is not None else []
-        return min(sides)
+        return bounds_of(self.limit)
 
 
-def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]) -> Section:
+def bounds_of(limit: Limit) -> str:
+    """Return the bounds of a limit, none of which a line break separates from its sign."""
+    return re.sub("([≥≤=]) ", "\\1\N{NO-BREAK SPACE}", limit.bounds).replace("-", "−")
+
+
+def limits_section(measured: Sequence[Measurement], limits: Mapping[str, JudgedLimit]) -> Section:
     """Return every limit with its value, rule, headroom, probability of conformance and verdict."""
     if not limits:
         return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
     found = {each.name: each for each in measured}
-    rows = [_limit_row(name, bounds, found.get(name)) for name, bounds in limits.items()]
+    rows = [_limit_row(name, each, found.get(name)) for name, each in limits.items()]
     headings = (
         "measurement",
         ">value ± U (k)",
@@ -67,25 +64,27 @@ def limits_section(measured: Sequence[Measurement], limits: Mapping[str, Bounds]
     )
     notes = [Text("P is the probability of conformance, by the measurement alone.", "note")]
     notes += [
-        Text(f"No P of {name}: {bounds.no_conformance.rstrip('.')}.", "note")
-        for name, bounds in limits.items()
-        if bounds.no_conformance
+        Text(f"No P of {name}: {each.no_conformance.rstrip('.')}.", "note")
+        for name, each in limits.items()
+        if each.no_conformance
     ]
     return Section("Limits and verdicts", (Grid.of(headings, rows), *notes))
 
 
-def _limit_row(name: str, bounds: Bounds, measured: Measurement | None) -> tuple[str | Cell, ...]:
-    verdict = Cell(bounds.verdict, bounds.verdict)
+def _limit_row(name: str, judged: JudgedLimit, measured: Measurement | None) -> tuple[str | Cell, ...]:
+    limit, verdict = judged.limit, Cell(judged.verdict, judged.verdict)
     value = measured.value if measured else math.nan
     unit = measured.unit if measured else ""
     left = NOTHING
     if math.isfinite(value):
-        room, bound = bounds.headroom(value)
-        share = f" ({100 * room / abs(bound):.2g} %)".replace("-", "−") if bound else ""
+        room = limit.headroom(value)
+        stated = (bound for bound in (limit.min, limit.max) if bound is not None)
+        nearer = min(stated, key=lambda bound: abs(value - bound))
+        share = f" ({100 * room / abs(nearer):.2g} %)".replace("-", "−") if nearer else ""
         left = number(room, 3) + share
     shown = f"{_value(measured)}{_coverage(measured)}" if measured else "not measured"
-    conformance = NOTHING if bounds.conformance is None else number(bounds.conformance, 3)
-    return name, shown, unit, bounds.text, bounds.rule, left, conformance, verdict
+    conformance = NOTHING if judged.conformance is None else probability(judged.conformance)
+    return name, shown, unit, judged.bounds, limit.rule, left, conformance, verdict
 
 
 def _coverage(measured: Measurement) -> str:
@@ -98,7 +97,7 @@ def _coverage(measured: Measurement) -> str:
 def measurements_section(
     title: str,
     measurements: Sequence[Measurement],
-    limits: Mapping[str, Bounds],
+    limits: Mapping[str, JudgedLimit],
     published: Mapping[str, float],
 ) -> Section:
     """Return every measurement with its uncertainty; definition, basis and source of the uncertainty
@@ -118,8 +117,8 @@ def measurements_section(
         if shown_published:
             row.append(raw(published[each.name]) if each.name in published else "")
         if limited:
-            bounds = limits.get(each.name)
-            row += [bounds.text, Cell(bounds.verdict, bounds.verdict)] if bounds else ["", ""]
+            judged = limits.get(each.name)
+            row += [judged.bounds, Cell(judged.verdict, judged.verdict)] if judged else ["", ""]
         rows.append(tuple(row))
     return Section(title, (Grid.of(headings, rows),) if rows else (Text("None.", "note"),))
 

@@ -76,3 +76,7 @@ from .verification import (
     Verification as Verification,
     verify_run as verify_run,
 )
+from .waived import (
+    WaivedLimit as WaivedLimit,
+    waived_limits as waived_limits,
+)

@@ -9,7 +9,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from benchtool.analysis import Measurement, PhaseTrack, Table, held_rows, record_basis, ripple_of_rows
+from benchtool.analysis import (
+    Measurement,
+    PhaseTrack,
+    Table,
+    count_of,
+    held_rows,
+    record_basis,
+    ripple_of_rows,
+)
 from benchtool.analysis.orders import (
     Orders,
     angle_coverage,
@@ -103,8 +111,8 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
 
 def _incomplete(number: Measurement, rows: int) -> Measurement:
     """Return the number without an uncertainty: what the rows that are left out held is not known."""
-    without = f"without {rows} rows in between that have no number"
-    why = f"the values of {rows} rows in between are not known"
+    without = f"without {count_of(rows, 'row in between that has', 'rows in between that have')} no number"
+    why = f"the values of {count_of(rows, 'row')} in between are not known"
     return replace(
         number, definition=f"{number.definition}, {without}", uncertainty=None, uncertainty_reason=why
     )

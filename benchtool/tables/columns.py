@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis import count_of
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
@@ -134,8 +135,9 @@ def read_columns(question: TableQuestion) -> TableColumns:
     if question.rate_Hz is not None:
         if "wrong number of cells" in rows.dropped:
             raise AnalysisError(
-                f"{question.file} has {rows.dropped['wrong number of cells']} rows with a wrong number of "
-                f"cells, which a stated rate leaves without a time: name the column of the time, or fix them"
+                f"{question.file} has {count_of(rows.dropped['wrong number of cells'], 'row')} with a wrong "
+                f"number of cells, which a stated rate leaves without a time: name the column of the time, "
+                f"or fix them"
             )
         data = np.column_stack([rows.place / question.rate_Hz, data])
     time_s = data[:, 0]
@@ -217,7 +219,7 @@ def _rows(table: TextTable, selections: list[Selection]) -> Rows:
     cell = table.unreadable_cell(selections)
     first = f", the first {cell}" if cell else ""
     raise AnalysisError(
-        f"{table.path} has no row with a number in each column asked for, of {rows.read} rows"
+        f"{table.path} has no row with a number in each column asked for, of {count_of(rows.read, 'row')}"
         f"{f' {reasons}' if reasons else ''}{first}: check the columns; times "
         f"in seconds, or as 2026-01-31 23:59:59.5, and numbers are expected"
     )

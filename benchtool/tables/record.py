@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, require_signal
+from benchtool.analysis import Basis, count_of, require_signal
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
@@ -98,8 +98,8 @@ class Record:
     def uneven(self) -> str:
         """Reason why analyses with even steps are impossible."""
         return self.base.refusal or (
-            f"{self.base.missing_rows} rows are missing in {len(self.base.gaps)} gaps, the first before row "
-            f"{self.base.gaps[0].row + 1}"
+            f"{count_of(self.base.missing_rows, 'row is', 'rows are')} missing in "
+            f"{count_of(len(self.base.gaps), 'gap')}, the first before row {self.base.gaps[0].row + 1}"
         )
 
     def column(self, what: str) -> NDArray[np.float64]:

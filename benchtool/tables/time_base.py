@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import error_of_series
+from benchtool.analysis import count_of, error_of_series
 from benchtool.block import Gap
 
 _FEWEST_STAMPS = 8
@@ -75,7 +75,7 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
     interpolated.
     """
     if len(time_s) < _FEWEST_STAMPS:
-        return _refused(time_s, f"{len(time_s)} rows, at least {_FEWEST_STAMPS} are needed")
+        return _refused(time_s, f"{count_of(len(time_s), 'row')}, at least {_FEWEST_STAMPS} are needed")
     steps = np.diff(time_s)
     if not np.any(steps):
         return _refused(time_s, f"the time is {time_s[0]:g} s in every row")
@@ -92,7 +92,8 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
     if values is not None and len(repeated) and len(twice := repeated_rows(time_s, values)):
         return _refused(
             time_s,
-            f"{len(twice)} rows repeat both time and values of the row before, first row {twice[0] + 1}",
+            f"{count_of(len(twice), 'row repeats', 'rows repeat')} both time and values of the row before, "
+            f"first row {twice[0] + 1}",
             resolution_s,
         )
     if len(repeated) > _REPEATED_BY_RESOLUTION * len(steps):
@@ -100,7 +101,8 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
     if len(repeated):
         return _refused(
             time_s,
-            f"{len(repeated)} rows repeat the time of the row before, first row {repeated[0] + 2}",
+            f"{count_of(len(repeated), 'row repeats', 'rows repeat')} the time of the row before, first row "
+            f"{repeated[0] + 2}",
             resolution_s,
         )
     advance = _advance(steps)

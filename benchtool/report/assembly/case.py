@@ -26,7 +26,7 @@ from benchtool.report.provenance import (
     run_facts,
 )
 from benchtool.report.results import (
-    Bounds,
+    JudgedLimit,
     budgets_section,
     limits_section,
     measurements_section,
@@ -36,13 +36,11 @@ from benchtool.results import Assessment, RecordedCase
 from benchtool.shipped import shipped
 
 
-def case_bounds(result: Assessment) -> dict[str, Bounds]:
+def case_limits(result: Assessment) -> dict[str, JudgedLimit]:
     """Return the limits of a case as they are printed."""
     return {
-        name: Bounds(
-            limit.min,
-            limit.max,
-            limit.rule,
+        name: JudgedLimit(
+            limit,
             mark(result.verdicts[name]),
             result.conformances.get(name),
             result.without_conformance.get(name, ""),
@@ -56,7 +54,7 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
     first page has these. A `brief` one has the first of its figures and no tables, which lie in its
     bundle."""
     result = case.assessment
-    limits = {} if result is None else case_bounds(result)
+    limits = {} if result is None else case_limits(result)
     if result is not None and not alone:
         if result.recorded is None:  # a recording has no plan that could set any
             yield limits_section((*result.measurements, *result.quality), limits)
@@ -77,7 +75,7 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
 def case_appendix(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
     """Yield what is looked up: quality of the data, budgets of uncertainty, events, every channel; with the
     drive, the plan and the profile, if the case stands `alone`."""
-    limits = {} if case.assessment is None else case_bounds(case.assessment)
+    limits = {} if case.assessment is None else case_limits(case.assessment)
     yield quality_section(case.bundle, limits)
     if brief:
         return

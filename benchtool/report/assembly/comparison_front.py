@@ -3,6 +3,7 @@ verdicts."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -151,7 +152,8 @@ def difference(delta: Delta) -> str:
     text = with_expanded(delta.absolute, delta.uncertainty)
     if "±" not in text:
         return signed(delta.absolute)
-    if delta.absolute <= 0.0:
+    rounded, _, _ = text.partition("±")
+    if delta.absolute <= 0.0 or not re.search("[1-9]", rounded):
         return text
     return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"
 

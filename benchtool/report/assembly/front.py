@@ -14,13 +14,13 @@ from benchtool.plan import Limit, Verdict, worst
 from benchtool.profile import Bench, Profile
 from benchtool.recording import MANIFEST, Bundle, Manifest, hash_of
 from benchtool.report import content
-from benchtool.report.assembly.case import case_bounds, coordinates, failure, remarks, unmeasured
+from benchtool.report.assembly.case import case_limits, coordinates, failure, remarks, unmeasured
 from benchtool.report.assembly.marks import mark
 from benchtool.report.assembly.recording import recording_items
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of, settings_line, supervision_notes
-from benchtool.report.results import Bounds, limits_section
-from benchtool.results import Assessment, RecordedCase, RecordedRun, overdue_text
+from benchtool.report.results import JudgedLimit, bounds_of, limits_section
+from benchtool.results import Assessment, RecordedCase, RecordedRun, overdue_text, waived_limits
 
 _WORDS: Final[dict[Verdict, str]] = {
     Verdict.NONE: "No limits",
@@ -50,7 +50,7 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     if len(found) == 1:
         result = found[0].assessment
         if result is not None and result.recorded is None:  # a recording has no plan that could set any
-            yield limits_section((*result.measurements, *result.quality), case_bounds(result))
+            yield limits_section((*result.measurements, *result.quality), case_limits(result))
     elif not all(case.assessment and case.assessment.recorded for case in found):
         yield _judged_together(runs)
     if (requirements := requirements_section(runs)) is not None:
@@ -231,36 +231,20 @@ def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iter
         yield Text(f"Cases of the plan without a recording: {'; '.join(told)}.", "warning")
     for text, count in Counter(text for case in found for text in _open(case)).items():
         yield Text(f"{text}{'' if len(found) == 1 else f' ({count} of {len(found)} cases)'}.")
-    waived = tuple(_waived(runs, found))
-    yield from waived
+    waived = [row for run in runs for row in _waived(run)]
+    if waived:
+        yield Grid.of(("waived limit", "case", "why", "by", "what was seen"), waived)
     judged = any(case.assessment and case.assessment.limits for case in found)
     if not told and not waived and not any(True for case in found for _ in _open(case)):
         whole = "Every case of the plan was run, and every limit was put to a number."
         yield Text(whole if judged else "Nothing was left out.", "note")
 
 
-def _waived(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
-    """Yield the limits that were not met and are waived: by whom, why, and what was seen."""
-    told = [
-        (case.name, each, case.assessment.limits[each.name])
-        for case in found
-        if case.assessment
-        for each in case.assessment.waived
-    ]
-    told += [
-        (group, each.waived, each.limit)
-        for run in runs
-        for group, together in run.repeated.items()
-        for each in together
-        if each.waived is not None and each.limit is not None
-    ]
-    rows = [
-        (each.name, name, limit.waived.reason, limit.waived.by, str(each))
-        for name, each, limit in told
-        if limit.waived is not None
-    ]
-    if rows:
-        yield Grid.of(("waived limit", "case", "why", "by", "what was seen"), rows)
+def _waived(run: RecordedRun) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each limit of a run that was not met and is waived: by whom, why, and what was seen."""
+    cases = (case.assessment for case in run.cases if case.assessment is not None)
+    for each in waived_limits(cases, run.repeated):
+        yield each.missed.name, each.case, each.consent.reason, each.consent.by, str(each.missed)
 
 
 def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
@@ -319,21 +303,21 @@ def _judged_together(runs: Sequence[RecordedRun]) -> Section:
 
 
 def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
-    judged: dict[tuple[str, str], list[tuple[Assessment, str, Bounds]]] = {}
+    judged: dict[tuple[str, str], list[tuple[Assessment, str, JudgedLimit]]] = {}
     for case in run.cases:
         if case.assessment is not None:
-            for name, bounds in case_bounds(case.assessment).items():
-                judged.setdefault((name, bounds.rule), []).append((case.assessment, name, bounds))
+            for name, one in case_limits(case.assessment).items():
+                judged.setdefault((name, one.limit.rule), []).append((case.assessment, name, one))
     for (name, rule), found in judged.items():
-        result, _, bounds = max(found, key=_badness)
+        result, _, nearest = max(found, key=_badness)
         measured = result.found.get(name)
         value = "not measured" if measured is None else _with_k(measured)
-        left = NOTHING if measured is None else number(bounds.headroom(measured.value)[0], 3)
-        limits = {each.text for _, _, each in found}
+        left = NOTHING if measured is None else number(nearest.limit.headroom(measured.value), 3)
+        limits = {each.bounds for _, _, each in found}
         verdict = worst(each.verdicts[name] for each, _, _ in found)
         count = Counter(str(each.verdicts[name]) for each, _, _ in found)
         text = ", ".join(f"{number_of} {verdict_of}" for verdict_of, number_of in count.items())
-        limit = next(iter(limits)) if len(limits) == 1 else f"{bounds.text}, and others"
+        limit = next(iter(limits)) if len(limits) == 1 else f"{nearest.bounds}, and others"
         yield f"{prefix}{name}", limit, rule, value, result.case, left, Cell(text, mark(verdict))
     for group, together in run.repeated.items():
         for each in together:
@@ -343,16 +327,16 @@ def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
                 verdict_ = Cell(str(each.verdict), mark(each.verdict))
                 left = NOTHING if each.judged is None else number(each.limit.headroom(each.judged.value), 3)
                 yield (
-                    *(f"{prefix}{each.name}", f"{each.limit.bounds}{what}", each.limit.rule),
+                    *(f"{prefix}{each.name}", f"{bounds_of(each.limit)}{what}", each.limit.rule),
                     *(value, group, left, verdict_),
                 )
 
 
-def _badness(judged: tuple[Assessment, str, Bounds]) -> tuple[int, float]:
+def _badness(judged: tuple[Assessment, str, JudgedLimit]) -> tuple[int, float]:
     """Return the verdict, then how little room is left."""
-    result, name, bounds = judged
+    result, name, found = judged
     measured = result.found.get(name)
-    room = -float("inf") if measured is None else bounds.headroom(measured.value)[0]
+    room = -float("inf") if measured is None else found.limit.headroom(measured.value)
     return list(Verdict).index(result.verdicts[name]), -room
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from benchtool.analysis import NOTHING, catalogue, raw, with_expanded
+from benchtool.analysis import NOTHING, catalogue, probability, raw, with_expanded
 from benchtool.plan import Plan, Verdict
 from benchtool.report.assembly.case import case_appendix, case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
 from benchtool.report.assembly.marks import mark, picture
 from benchtool.report.assembly.recording import plan_of
 from benchtool.report.content import Cell, Grid, Item, Section, Text
+from benchtool.report.results import bounds_of
 from benchtool.results import RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
@@ -99,8 +100,8 @@ def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     if each.limit is None:
         return (*row, "", "")
     what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"
-    P = "" if each.conformance is None else f", P {each.conformance:.3g}"
-    return (*row, f"{each.limit.bounds}{what}", Cell(f"{each.verdict}{P}", mark(each.verdict)))
+    P = "" if each.conformance is None else f", P {probability(each.conformance)}"
+    return (*row, f"{bounds_of(each.limit)}{what}", Cell(f"{each.verdict}{P}", mark(each.verdict)))
 
 
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from benchtool.analysis import NOTHING, number, raw, with_expanded
+from benchtool.analysis import NOTHING, number, probability, raw, with_expanded
 from benchtool.errors import RecordingError
 from benchtool.plan import Verdict
 from benchtool.profile import Profile
@@ -19,6 +19,7 @@ from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Picture, Rep
 from benchtool.report.figures.session import figure_of_png
 from benchtool.report.figures.trend import Point, Trend, draw_trend
 from benchtool.report.provenance import drive_numbers, profile_of_text
+from benchtool.report.results import bounds_of
 from benchtool.results import SESSION, Judged, Outcome, SessionRecord, SuiteScore, TestRecord, values_of
 
 _UNSTATED: Final = "not stated"
@@ -290,8 +291,8 @@ def _judged_row(each: Judged) -> tuple[str | Cell, ...]:
     value = each.reason or "not measured" if each.value is None else f"{with_expanded(each.value, U)}{k}"
     verdict = Verdict(each.verdict)
     return (
-        *(each.name, value, each.unit, each.limit.bounds, each.limit.rule),
-        NOTHING if chance is None else f"{chance:.3f}",
+        *(each.name, value, each.unit, bounds_of(each.limit), each.limit.rule),
+        NOTHING if chance is None else probability(chance),
         Cell(str(verdict), mark(verdict)),
     )
 

@@ -98,7 +98,7 @@ def ran(place: Path) -> Ran:
     ("name", "outcome", "told"),
     [
         ("test_passes", Outcome.PASSED, ""),
-        ("test_limits", Outcome.FAILED, "missing was not measured (no sensor), <= 1 Nm is asked for"),
+        ("test_limits", Outcome.FAILED, "missing was not measured (no sensor), ≤ 1 Nm is asked for"),
         ("test_measures_nothing", Outcome.FAILED, "nothing was measured"),
         ("test_skipped", Outcome.NOT_RUN, "no load machine"),
         ("test_waived", Outcome.WAIVED, "beyond is 3"),

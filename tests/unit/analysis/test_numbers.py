@@ -8,7 +8,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from benchtool.analysis.numbers import number, raw, signed, stated
+from benchtool.analysis.numbers import count_of, number, probability, raw, signed, stated
 
 
 @pytest.mark.parametrize(
@@ -45,6 +45,7 @@ def test_four_significant_digits(value: float, text: str) -> None:
         (1.2345678e7, 1.5e-4, "(1.234567800 ± 1.5 × 10⁻¹¹) × 10⁷"),
         (0.65, math.nan, "0.6500"),
         (math.nan, 0.1, "–"),
+        (-3e-5, 0.0041, "0.0000 ± 0.0041"),
     ],
 )
 def test_the_uncertainty_decides_the_digits(value: float, standard: float | None, text: str) -> None:
@@ -73,3 +74,17 @@ def test_differences_have_a_sign_and_settings_no_further_digits() -> None:
     assert raw(0.06) == "0.06"
     assert raw(True) == "true"
     assert raw("tpc") == "tpc"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "< 0.001"), (0.0009, "< 0.001"), (0.001, "0.001"), (0.9541, "0.954"), (1.0, "> 0.999")],
+)
+def test_a_probability_is_never_said_to_be_certain(value: float, text: str) -> None:
+    assert probability(value) == text
+
+
+def test_one_thing_is_not_several() -> None:
+    assert count_of(1, "row") == "1 row"
+    assert count_of(0, "row") == "0 rows"
+    assert count_of(2, "row is", "rows are") == "2 rows are"

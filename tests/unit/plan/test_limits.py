@@ -46,7 +46,7 @@ def test_a_guard_band_of_unknown_width_fails(unknown: Uncertainty | None) -> Non
     assert Limit(max=2.0).judge(0.0, unknown) is Verdict.PASS  # simple acceptance asks for none
     assert Limit(max=2.0).conformance(0.0, unknown) is None
     told = missed("x", Limit(max=2.0, margin="U"), Measurement("x", 0.0, "Nm", "", uncertainty=unknown))
-    assert 'its uncertainty is not known, which margin = "U" of its limit <= 2 needs' in str(told)
+    assert 'its uncertainty is not known, which margin = "U" of its limit ≤ 2 needs' in str(told)
 
 
 @given(st.floats(-10, 10), st.floats(0, 3), st.floats(1, 50))
@@ -109,7 +109,7 @@ def test_the_rule_is_stated() -> None:
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
     assert str(missed("x", Limit(max=2.0, margin="U"), measured)) == (
-        "x is 1.95 Nm, 0.05 inside its limit <= 2, U = 0.098 (k = 1.96), probability of conformance 0.841"
+        "x is 1.95 Nm, 0.05 inside its limit ≤ 2, U = 0.098 (k = 1.96), probability of conformance 0.841"
     )
 
 
@@ -128,8 +128,8 @@ def test_what_is_undecided_is_not_met() -> None:
 @pytest.mark.parametrize(
     ("limit", "text"),
     [
-        (Limit(min=1.0, max=2.5), ">= 1, <= 2.5"),
-        (Limit(max=2.5), "<= 2.5"),
+        (Limit(min=1.0, max=2.5), "≥ 1, ≤ 2.5"),
+        (Limit(max=2.5), "≤ 2.5"),
         (Limit(min=3205130000.0, max=3205130000.0), "= 3205130000"),
     ],
 )

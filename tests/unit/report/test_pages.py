@@ -15,6 +15,7 @@ from reportlab.pdfbase.ttfonts import TTFont
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.numbers import stated
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.plan import Limit
 from benchtool.report.content import (
     Cell,
     Facts,
@@ -34,7 +35,7 @@ from benchtool.report.html import html_page
 from benchtool.report.images import MOST_SVG_BYTES, data_uri
 from benchtool.report.pdf.document import pdf_document
 from benchtool.report.results import (
-    Bounds,
+    JudgedLimit,
     basis_text,
     budgets_section,
     limits_section,
@@ -204,7 +205,7 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
         "current_thd_f", 1.838, "%", "harmonics over it", BASIS, Uncertainty(0.0123, "noise floor")
     )
     other = Measurement.undefined("plain", "A", "a mean", "no channel")
-    bounds = Bounds(None, 2.0, "marginal within 0.5", "marginal")
+    bounds = JudgedLimit(Limit(max=2.0, margin=0.5), "marginal")
     section = measurements_section("M", [measured, other], {"current_thd_f": bounds}, {"current_thd_f": 1.5})
     (grid,) = section.items
     assert isinstance(grid, Grid)
@@ -246,20 +247,20 @@ def test_the_appendix_has_k_degrees_of_freedom_and_the_budget_of_each_uncertaint
 @pytest.mark.parametrize(
     ("bounds", "value", "left"),
     [
-        (Bounds(None, 0.06, "simple acceptance", "pass"), 0.05, "0.0100 (17 %)"),
-        (Bounds(1.0, 4.0, "simple acceptance", "pass"), 1.5, "0.500 (50 %)"),
-        (Bounds(None, 2.0, "simple acceptance", "fail"), 2.5, "−0.500 (−25 %)"),
-        (Bounds(None, 0.0, "simple acceptance", "pass"), 0.0, "0"),
+        (JudgedLimit(Limit(max=0.06), "pass"), 0.05, "0.0100 (17 %)"),
+        (JudgedLimit(Limit(min=1.0, max=4.0), "pass"), 1.5, "0.500 (50 %)"),
+        (JudgedLimit(Limit(max=2.0), "fail"), 2.5, "−0.500 (−25 %)"),
+        (JudgedLimit(Limit(max=0.0), "pass"), 0.0, "0"),
     ],
 )
-def test_the_margin_left_is_to_the_nearer_bound(bounds: Bounds, value: float, left: str) -> None:
+def test_the_margin_left_is_to_the_nearer_bound(bounds: JudgedLimit, value: float, left: str) -> None:
     grid, *_ = limits_section([Measurement("x", value, "Nm", "")], {"x": bounds}).items
     assert isinstance(grid, Grid)
     assert grid.rows[0][5].text == left
 
 
 def test_a_limit_on_what_was_not_measured_says_so() -> None:
-    grid, *_ = limits_section([], {"x": Bounds(None, 1.0, "simple acceptance", "fail")}).items
+    grid, *_ = limits_section([], {"x": JudgedLimit(Limit(max=1.0), "fail")}).items
     assert isinstance(grid, Grid)
     assert [cell.text for cell in grid.rows[0]] == [
         "x",
@@ -274,7 +275,7 @@ def test_a_limit_on_what_was_not_measured_says_so() -> None:
 
 
 def test_a_limit_without_a_probability_of_conformance_says_why() -> None:
-    bounds = Bounds(None, 1.0, "simple acceptance", "pass", no_conformance="its uncertainty is not known")
+    bounds = JudgedLimit(Limit(max=1.0), "pass", no_conformance="its uncertainty is not known")
     *_, note = limits_section([Measurement("x", 0.5, "Nm", "")], {"x": bounds}).items
     assert isinstance(note, Text)
     assert note.text == "No P of x: its uncertainty is not known."

@@ -38,7 +38,7 @@ def test_the_value_that_is_judged_stands_with_its_k() -> None:
     assert judged.conformance == pytest.approx(3.2e-5, rel=0.02)
     verdict = _repeated_row(judged)[-1]
     assert isinstance(verdict, Cell)
-    assert verdict.text == "fail, P 3.17e-05"
+    assert verdict.text == "fail, P < 0.001"
 
 
 @pytest.mark.parametrize(

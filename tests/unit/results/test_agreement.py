@@ -78,12 +78,10 @@ def test_what_was_missed_says_the_bound_and_by_how_much() -> None:
     assert str(missed("x", limit, _number("x", 0.5))) == (
         "x is 0.5 Nm, at least 1 is asked for: 0.5 too little"
     )
-    assert str(missed("x", limit, _number("x", 1.95))) == "x is 1.95 Nm, within 0.1 of its limit >= 1, <= 2"
-    assert str(missed("x", limit, None)) == "x was not measured, >= 1, <= 2 is asked for"
+    assert str(missed("x", limit, _number("x", 1.95))) == "x is 1.95 Nm, within 0.1 of its limit ≥ 1, ≤ 2"
+    assert str(missed("x", limit, None)) == "x was not measured, ≥ 1, ≤ 2 is asked for"
     undefined = Measurement.undefined("x", "Nm", "a number", "nothing tells it")
-    assert str(missed("x", limit, undefined)) == (
-        "x is undefined (nothing tells it), >= 1, <= 2 is asked for"
-    )
+    assert str(missed("x", limit, undefined)) == ("x is undefined (nothing tells it), ≥ 1, ≤ 2 is asked for")
 
 
 def _shaft(rate_Hz: float, lag_Hz: float, highest_Hz: float, factor: float = 1.0) -> Block:

@@ -179,7 +179,7 @@ def test_little_jitter_is_stated_and_more_is_refused() -> None:
         (ROWS[:3], "3 rows, at least 8 are needed"),
         (np.empty(0), "0 rows"),
         (np.full(100, 2.5), "the time is 2.5 s in every row"),
-        (np.insert(ROWS, 70, ROWS[69]) * 1e-3, "1 rows repeat the time of the row before, first row 71"),
+        (np.insert(ROWS, 70, ROWS[69]) * 1e-3, "1 row repeats the time of the row before, first row 71"),
         (np.tile(ROWS, 2) * 1e-3, "goes back once, first by 4.999 s at row 5001: records joined together"),
         (ROWS[::-1] * 1e-3, "goes back 4999 times"),
         (np.concatenate([ROWS[:2500], 2500 + 1.37 * ROWS[:2500]]), "not even"),
