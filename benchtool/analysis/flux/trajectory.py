@@ -18,6 +18,7 @@ from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_
 from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
+from benchtool.analysis.statistics.between_samples import BETWEEN, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.statistics.scatter import (
@@ -28,7 +29,6 @@ from benchtool.analysis.statistics.scatter import (
     error_of_series,
     is_memory_untold,
 )
-from benchtool.analysis.torque.between_samples import BETWEEN, between_samples
 from benchtool.analysis.torque.ripple import peak_to_peak_number
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.uncertainty import Contribution, combined

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.close_distances import likely_fits
-from benchtool.analysis.spectra.interharmonics import Interharmonics, response
+from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel
 from benchtool.analysis.spectra.noise import aliased_quantisation, harmonic_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
@@ -95,7 +95,7 @@ def close_lines(spectrum: CoherentSpectrum, count: int, orders: int, step: float
                 continue
             if own is not None:  # what it makes of itself by its negative frequency stays out
                 makes = _sinusoids({index: own}).of_bins(number, count)
-                makes[index] = own.phasor * response(own.place, number[index], count)
+                makes[index] = own.phasor * dirichlet_kernel(own.place, number[index], count)
                 around += makes
             line = _beside(around, floor2, index, number[index], count)
             if line is not None:
@@ -269,7 +269,7 @@ class _Kernel:
 def _kernel(first: float, last: float, reach: int, count: int) -> _Kernel:
     apart = np.linspace(first, last, _DISTANCES)
     apart = apart[np.abs(apart) > _ON_HARMONIC]
-    around = response(apart[:, np.newaxis], np.arange(-reach, reach + 1), count)
+    around = dirichlet_kernel(apart[:, np.newaxis], np.arange(-reach, reach + 1), count)
     beside = np.conj(np.delete(around, reach, axis=1))
     return _Kernel(apart, around[:, reach], beside, np.sum(np.abs(beside) ** 2, axis=1))
 

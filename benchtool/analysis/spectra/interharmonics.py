@@ -258,10 +258,10 @@ def scatter_of_phases(
 def sinusoid(places: Floats | float, bins: NDArray[np.int64] | Floats, count: int) -> tuple[Complex, Complex]:
     """Return what cosines of amplitude one make of bins, by their positive and negative frequency, in the
     shape of places against bins."""
-    return response(places, bins, count), response(-places, bins, count)
+    return dirichlet_kernel(places, bins, count), dirichlet_kernel(-places, bins, count)
 
 
-def response(places: Floats | float, bins: NDArray[np.int64] | Floats, count: int) -> Complex:
+def dirichlet_kernel(places: Floats | float, bins: NDArray[np.int64] | Floats, count: int) -> Complex:
     """Return the mean of exp(2 pi j (place - bin) n / count) over n = 0 ... count - 1, in the shape of places
     against bins: Dirichlet's kernel, a geometric series whose numerator is the same for all whole bins."""
     apart = places - np.round(places)

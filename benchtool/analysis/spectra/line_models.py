@@ -55,11 +55,11 @@ def alternating(number: Integers | Floats) -> Floats:
 def phasors_at(bins: Complexes, place: Floats, count: int) -> Complexes:
     """Return the phasors of lines at places, shape (n,), each by the bin next to it."""
     nearest = np.round(place).astype(np.int64)
-    return np.asarray(middle_bins(bins, nearest) / response(nearest - place, count))
+    return np.asarray(middle_bins(bins, nearest) / hann_kernel(nearest - place, count))
 
 
-def response(apart: Floats, count: int) -> Floats:
-    """Return the bins of a line of amplitude one at distances from it, for `count` samples.
+def hann_kernel(apart: Floats, count: int) -> Floats:
+    """Return the bins of a line of amplitude one under a Hann window at distances from it, of `count` samples.
 
     They are D(x) + (D(x - 1) + D(x + 1)) / 2 of Dirichlet's kernel D(x) = sin(pi x) exp(j pi x / n) / (n sin
     (pi x / n)), which is the real number here.
@@ -79,7 +79,7 @@ def steady(number: Integers, count: int) -> Model:
     def model(unknowns: Floats) -> tuple[Complexes, Complexes]:
         real, imaginary, place = unknowns.reshape(-1, 3).T
         apart = number[:, np.newaxis] - place
-        one, less, more = response(np.stack([apart, apart - _STEP, apart + _STEP]), count)
+        one, less, more = hann_kernel(np.stack([apart, apart - _STEP, apart + _STEP]), count)
         slope = (less - more) / (2.0 * _STEP)
         phasors = real + 1j * imaginary
         slopes = np.stack([one, 1j * one, phasors * slope], axis=2)

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.close_distances import likely_fits
-from benchtool.analysis.spectra.line_models import DOF_OF_NOISE, Complexes, Floats, Integers, response
+from benchtool.analysis.spectra.line_models import DOF_OF_NOISE, Complexes, Floats, Integers, hann_kernel
 
 _NEAREST, _FARTHEST, _DISTANCES = 0.02, 1.6, 30  # bins
 _STEPS, _MOST_STEP, _STEP = 6, 0.3, 1e-3  # of the fit of a place; bins
@@ -88,7 +88,7 @@ class _Fits:
         for step in range(_STEPS + 1):
             places = np.stack([at, at + apart], axis=1)[:, np.newaxis, :]  # of each pair
             from_places = number[:, np.newaxis] - places
-            both, after, before = response(
+            both, after, before = hann_kernel(
                 np.stack([from_places, from_places - _STEP, from_places + _STEP]), count
             )
             adjoint = both.transpose(0, 2, 1)

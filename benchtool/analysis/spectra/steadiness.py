@@ -21,10 +21,10 @@ from benchtool.analysis.spectra.line_models import (
     Integers,
     changing,
     fitted,
+    hann_kernel,
     middle_bins,
     phasors_at,
     places,
-    response,
     steady,
 )
 from benchtool.analysis.spectra.line_pairs import pair_of
@@ -115,13 +115,13 @@ def _without(
     at, place = number[:, np.newaxis], np.array([each.place for each in lines])
     own = phasors_at(bins, place, count)
     is_far = np.array([each not in near for each in lines])
-    far = response(at - place[is_far], count) @ own[is_far]
-    return np.asarray(middle_bins(bins, number) - far - response(at + place, count) @ np.conj(own))
+    far = hann_kernel(at - place[is_far], count) @ own[is_far]
+    return np.asarray(middle_bins(bins, number) - far - hann_kernel(at + place, count) @ np.conj(own))
 
 
 def _started(clean: Complexes, number: Integers, at: Floats, count: int) -> Floats:
     """Return the unknowns of steady lines at these places, by linear least squares."""
-    phasors = np.linalg.lstsq(response(number[:, np.newaxis] - at, count), clean, rcond=None)[0]
+    phasors = np.linalg.lstsq(hann_kernel(number[:, np.newaxis] - at, count), clean, rcond=None)[0]
     return np.stack([phasors.real, phasors.imag, at], axis=1).ravel()
 
 

@@ -9,7 +9,13 @@ import numpy as np
 from numpy import fft
 
 from benchtool.analysis.spectra.around_lines import MAIN_LOBE
-from benchtool.analysis.spectra.line_models import Complexes, alternating, middle_bins, phasors_at, response
+from benchtool.analysis.spectra.line_models import (
+    Complexes,
+    alternating,
+    hann_kernel,
+    middle_bins,
+    phasors_at,
+)
 from benchtool.analysis.spectra.steadiness import Line
 
 _LOWEST, _REACH, _MARGIN = 4, 96, 12  # bins
@@ -36,7 +42,7 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
         return line
     number = np.arange(max(1, middle - reach - _MARGIN), min(len(bins), middle + reach + _MARGIN + 1))
     own = phasors_at(bins, np.array([line.place]), count)
-    image = np.conj(own) * response(number + np.float64(line.place), count)
+    image = np.conj(own) * hann_kernel(number + np.float64(line.place), count)
     at = np.arange(_PLACES) / _PLACES - 0.5
     # at times about the middle every other bin has the other sign
     spread = np.zeros(_PLACES, dtype=np.complex128)

@@ -23,6 +23,7 @@ from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.converter_levels import at_turns, within_levels
 from benchtool.analysis.steps.passages import (
     LEAST_DEFINED,
+    SEED,
     Instant,
     Passage,
     first_passage,
@@ -39,7 +40,6 @@ _OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
 _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
-_SEED = 20_110_301
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
@@ -92,7 +92,7 @@ class NoisyCurve:
         levels = noise_levels(samples, noise)
         smoother, longer = fitted_smoothers(samples, noise, levels)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
-        random = np.random.default_rng(_SEED)
+        random = np.random.default_rng(SEED)
         of_steps: float | Floats = 0.0
         if noise.rms < _HIDES * step:
             of_steps = _left_of_steps(noise.rms, step) * within_levels(random, samples, step, draws)
@@ -142,7 +142,7 @@ class NoisyCurve:
         if not doubt > 0.0:
             return self
         errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
-        drifts = doubt * np.random.default_rng(_SEED).standard_normal((len(errors), 1))
+        drifts = doubt * np.random.default_rng(SEED).standard_normal((len(errors), 1))
         return replace(self, errors=errors + drifts * np.arange(len(self.values)))
 
     def since(self, row: int) -> NoisyCurve:
@@ -275,7 +275,7 @@ class NoisyCurve:
         if found is None:
             return None
         within = math.sqrt(3.0) * doubt
-        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.errors)) if doubt else ()
+        moved = np.random.default_rng(SEED).uniform(-within, within, len(self.errors)) if doubt else ()
         shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
         course = rising(above, sure) if len(shifted) else above
         drawn = (first_passage(course + each, sure) for each in shifted)

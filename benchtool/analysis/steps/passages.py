@@ -20,7 +20,8 @@ LEAST_DEFINED = 0.9
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
-_SEED = 20_110_301
+SEED = 20_110_301
+"""Of all draws of a step, so that those of its instants belong together."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Instant:
     def widened(self, standard: float) -> Instant:
         """Return the instant with another contribution, evenly distributed, to its uncertainty."""
         within = math.sqrt(3.0) * standard
-        moved = np.random.default_rng(_SEED).uniform(-within, within, len(self.drawn))
+        moved = np.random.default_rng(SEED).uniform(-within, within, len(self.drawn))
         return Instant(self.place, math.hypot(self.standard, standard), tuple((moved + self.drawn).tolist()))
 
 

@@ -107,11 +107,12 @@ def _share_of_repeated(samples: Floats) -> float:
     return float(np.count_nonzero(alone)) / changed if changed >= _FEWEST_CHANGES else 0.0
 
 
-def hold(samples: Floats) -> tuple[int, int]:
+def even_hold(samples: Floats) -> tuple[int, int]:
     """Return for how many rows each sample of a record, shape (n,), is held, and the first row with a new
     one; 1 and 0 where each row is a sample of its own.
 
-    All changes are then a multiple of it apart, and most of them just that.
+    All changes are then a multiple of it apart, and most of them just that; `held_rows` is of holds that are
+    not all equal.
     """
     changes = np.flatnonzero(np.diff(samples)) + 1
     apart = np.diff(changes)

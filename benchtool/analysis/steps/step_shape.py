@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.steps.clicks import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
-from benchtool.analysis.steps.row_times import hold
+from benchtool.analysis.steps.row_times import even_hold
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
 from benchtool.block import Block
@@ -137,7 +137,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
     zero_error = _within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
-    held_rows, first = hold(y)
+    held_rows, first = even_hold(y)
     y, r = y[first::held_rows], r[first::held_rows]
     instant = (begin + zero - first) / held_rows
     begin = math.ceil((begin - first) / held_rows)

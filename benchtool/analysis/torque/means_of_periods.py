@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,12 +57,19 @@ class Periods:
         parted = (self.rows - self.edges) * series[np.maximum(self.rows - 1, 0)]
         return np.asarray((sums - np.diff(parted)) / np.diff(self.edges))
 
-    def places(self, rows: Floats) -> Floats:
-        """Return how far through all of them rows, shape (n,), are, from 0 to 1; behind them it is more, at
-        the pace of the last."""
-        within = np.interp(rows, self.rows, np.arange(len(self.rows)) / len(self))
+    def places(self, count: int) -> Floats:
+        """Return how far through all of them the middles of so many rows are, from 0 to 1, shape (count,);
+        behind them it is more, at the pace of the last."""
+        if count <= self.rows[-1]:
+            return self._places[:count]
+        behind = np.arange(self.rows[-1] + 0.5, count) - self.rows[-1]
         last = float(self.rows[-1] - self.rows[-2])
-        return np.asarray(within + np.maximum(0.0, rows - self.rows[-1]) / (last * len(self)))
+        return np.concatenate([self._places, 1.0 + behind / (last * len(self))])
+
+    @cached_property
+    def _places(self) -> Floats:
+        rows, periods = np.arange(0.5, self.rows[-1]), np.arange(len(self.rows))
+        return np.asarray(np.interp(rows, self.rows, periods / len(self)))
 
 
 @dataclass(frozen=True)
@@ -118,7 +126,7 @@ def mean_over_periods(
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
     course of few constants, such as a drift; of few periods `pooled` with its density."""
     rows, periods = repeats.rows, len(repeats)
-    place = repeats.places(np.arange(0.5, len(series)))
+    place = repeats.places(len(series))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
     incomplete, not_repeated = _of_incomplete(left, repeats)

@@ -13,9 +13,9 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
+from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
-from benchtool.analysis.torque.between_samples import BETWEEN
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
 from benchtool.analysis.torque.ripple_percent import no_base, percent
 from benchtool.analysis.torque.ripple_percentiles import HIGH_PERCENT, LOW_PERCENT, percentile_range
@@ -27,6 +27,7 @@ from benchtool.block import Block, as_samples
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
+_TOO_SLOW_NOISE = "noise too slow for the record"
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
 
@@ -148,17 +149,15 @@ def ripple_of_rows(
     if marks is not None:
         repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
-    unknown = held = ""
+    unknown = ""
     if scatter is None or marks is None:
         unknown = _without_periods(marks, repeated, no_periods)
     else:
         whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
-        held = _few_updates(samples, marks, repeated)
-        scatter = replace(scatter, percentile_range=None) if held else scatter
-    numbers = _numbers(
-        samples, whole, scatter, unknown, held, step, name, what, rated, basis, channel or what
-    )
-    return tuple(numbers)
+        unknown = _few_updates(samples, marks, repeated)
+        scatter = replace(scatter, percentile_range=None) if unknown else scatter
+    seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples))
+    return tuple(_numbers(seen, percentile_range(samples), name, rated))
 
 
 def _without_periods(
@@ -200,63 +199,107 @@ def peak_to_peak_number(
         scatter = scatter_of_periods(samples, repeats, step, percentiles=False)
     basis = record_basis(block)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
-    clipped = clipping(samples) or standing(samples)
-    return _peak_to_peak(name, what or channel, whole, scatter, unknown, step, basis, channel, clipped)
+    seen = _Seen(whole, scatter, unknown, step, what or channel, channel, basis, _clipped(samples))
+    return seen.peak_to_peak(name)
 
 
-def _numbers(
-    samples: NDArray[np.float64],
-    whole: Ripple,
-    scatter: Scatter | None,
-    unknown: str,
-    held: str,
-    step: float,
-    name: str,
-    what: str,
-    rated: float | None,
-    basis: Basis,
-    channel: str,
-) -> Iterator[Measurement]:
-    """Yield the numbers of a ripple; `unknown` is why there is no scatter, `held` why none of percentiles."""
-    unit = whole.unit
-    clipped = clipping(samples) or standing(samples)
-    without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
+def _clipped(samples: NDArray[np.float64]) -> str:
+    """Return why samples, shape (n,), are no signal of their own; empty if they are."""
+    return clipping(samples) or standing(samples)
 
-    def measured(
-        suffix: str,
+
+@dataclass(frozen=True)
+class _Seen:
+    """A ripple with what tells how much its numbers scatter, or `unknown`, why something does not; `clipped`
+    is why there are no numbers. `step` is that of the converter, `what` the channel in words."""
+
+    whole: Ripple
+    scatter: Scatter | None
+    unknown: str
+    step: float
+    what: str
+    channel: str
+    basis: Basis
+    clipped: str
+
+    def number(
+        self,
+        name: str,
         text: str,
         value: float,
         error: MeanError | None,
-        floor: float,
         sensitivities: Sensitivities,
+        *further: Contribution,
         bound: float = 0.0,
-        slow: float = 0.0,
-        missed: float = 0.0,
     ) -> Measurement:
-        full = f"{name}_{suffix}"
-        if clipped:
-            return Measurement.undefined(full, unit, text, clipped, basis)
-        if scatter is None or error is None:
-            why = unknown or held or _TOO_FEW_EXTREMES
-            return Measurement(
-                full, value, unit, text, basis, uncertainty_reason=why, sensitivities=sensitivities
-            )
-        budget = (
-            error.line(f"scatter over {scatter.periods} {scatter.repeated}"),
-            Contribution(f"resolution {step:.3g} {unit}", "B", floor),
-            Contribution("noise too slow for the record", "B", slow),
-            Contribution(BETWEEN, "B", missed),
-        )
-        source = f"{budget[0].name}, resolution"
-        lines = tuple(each for each in budget if each.standard != 0.0)
-        uncertain = combined(lines, source)
-        why = "" if uncertain is not None else TOO_SLOW
-        uncertain = _of_two_readings(uncertain, bound)
+        """Return a number with its `error` by scatter and `further` lines, all of it within `bound` where
+        that is not 0."""
+        unit = self.whole.unit
+        if self.clipped:
+            return Measurement.undefined(name, unit, text, self.clipped, self.basis)
+        uncertain, why = None, self.unknown or _TOO_FEW_EXTREMES
+        if self.scatter is not None and error is not None:
+            line = error.line(f"scatter over {self.scatter.periods} {self.scatter.repeated}")
+            lines = tuple(each for each in (line, *further) if each.standard != 0.0)
+            uncertain = combined(lines, f"{line.name}, resolution")
+            why = "" if uncertain is not None else TOO_SLOW
         return Measurement(
-            full, value, unit, text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
+            name,
+            value,
+            unit,
+            text,
+            self.basis,
+            _of_two_readings(uncertain, bound),
+            uncertainty_reason=why,
+            sensitivities=sensitivities,
         )
 
-    range_between = percentile_range(samples)
+    def peak_to_peak(self, name: str) -> Measurement:
+        """Return the peak-to-peak ripple."""
+        whole, scatter, step = self.whole, self.scatter, self.step
+        text, value = f"maximum minus minimum of {self.what}", whole.peak_to_peak
+        if self.clipped:
+            return Measurement.undefined(name, whole.unit, text, self.clipped, self.basis)
+        uncertain, why = None, ""
+        if scatter is None:
+            why = self.unknown
+        elif not math.isfinite(scatter.peak_to_peak):
+            # a resolution beside a scatter that is not known would be stated as if it were all
+            why = _TOO_FEW_EXTREMES if scatter.periods < FEWEST_EXTREMES else _GROWS
+        else:
+            # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
+            budget = [self.resolution(step / math.sqrt(6.0))] if step else []
+            budget.append(
+                Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES)
+            )
+            if missed := _missed(scatter, np.ptp):
+                budget.append(Contribution(BETWEEN, "B", missed))
+            source = (
+                f"scatter of maximum and minimum over records of this length, by those of the "
+                f"{scatter.periods} single {scatter.repeated}, whose mean peak-to-peak is "
+                f"{scatter.mean_peak_to_peak:.4g} {whole.unit}; a longer record reads more"
+            )
+            uncertain = _of_two_readings(combined(budget, source), step)
+        return Measurement(
+            name,
+            value,
+            whole.unit,
+            text,
+            self.basis,
+            uncertain,
+            uncertainty_reason=why,
+            sensitivities=Sensitivities.of_extremes(self.channel, value),
+        )
+
+    def resolution(self, standard: float) -> Contribution:
+        """Return the line of a resolution."""
+        return Contribution(f"resolution {self.step:.3g} {self.whole.unit}", "B", standard)
+
+
+def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) -> Iterator[Measurement]:
+    """Yield the numbers of a ripple between whose percentiles there is a range."""
+    whole, scatter, step, what, channel = seen.whole, seen.scatter, seen.step, seen.what, seen.channel
+    without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
     # what noise turns into noise, the scatter holds already
     of_mean = of_rms = 0.0
     if scatter is not None and scatter.steps is not None:
@@ -269,82 +312,46 @@ def _numbers(
     # steps add a twelfth of their square to the mean square
     if scatter is None or scatter.steps is None or not scatter.steps.has_noise:
         of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
-    mean = measured(
-        "mean",
+    mean = seen.number(
+        f"{name}_mean",
         f"mean of {what}{without}",
         whole.mean,
         scatter.mean if scatter else None,
-        of_mean,
         Sensitivities.of_mean(channel, whole.mean),
+        seen.resolution(of_mean),
     )
     yield mean
-    peak_to_peak = _peak_to_peak(
-        f"{name}_ripple_pp", what, whole, scatter, unknown, step, basis, channel, clipped
-    )
+    peak_to_peak = seen.peak_to_peak(f"{name}_ripple_pp")
     yield peak_to_peak
-    rms = measured(
-        "ripple_rms",
+    rms = seen.number(
+        f"{name}_ripple_rms",
         f"rms of {what} about its mean{without}",
         whole.rms,
         scatter.rms if scatter else None,
-        of_rms,
         Sensitivities.of_rms(channel, whole.rms),
-        slow=taken,
+        seen.resolution(of_rms),
+        Contribution(_TOO_SLOW_NOISE, "B", taken),
     )
     yield rms
-    yield measured(
-        "ripple_percentile_range",
+    yield seen.number(
+        f"{name}_ripple_percentile_range",
         f"{HIGH_PERCENT:g}th minus {LOW_PERCENT:g}th percentile of {what}",
         range_between,
         scatter.percentile_range if scatter else None,
-        step / math.sqrt(6.0),
         Sensitivities.of_extremes(channel, range_between),
-        step,
-        slow=of_range,
-        missed=_missed(scatter, percentile_range),
+        seen.resolution(step / math.sqrt(6.0)),
+        Contribution(_TOO_SLOW_NOISE, "B", of_range),
+        Contribution(BETWEEN, "B", _missed(scatter, percentile_range)),
+        bound=step,
     )
-    reason = clipped or no_base(mean, whole.peak_to_peak, name)
+    reason = seen.clipped or no_base(mean, whole.peak_to_peak, name)
     for number in (peak_to_peak, rms):
         yield percent(number, f"{name}_ripple", "of_mean", abs(whole.mean), f"|{name}_mean|", reason, mean)
     if rated is not None:
-        reason = clipped or ("" if rated > 0.0 else f"it is {rated:g} {unit}")
+        reason = seen.clipped or ("" if rated > 0.0 else f"it is {rated:g} {whole.unit}")
         for number in (peak_to_peak, rms):
-            base = f"rated {name} of {rated:g} {unit}"
+            base = f"rated {name} of {rated:g} {whole.unit}"
             yield percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
-
-
-def _peak_to_peak(
-    name: str,
-    what: str,
-    whole: Ripple,
-    scatter: Scatter | None,
-    unknown: str,
-    step: float,
-    basis: Basis,
-    channel: str,
-    clipped: str = "",
-) -> Measurement:
-    text, value = f"maximum minus minimum of {what}", whole.peak_to_peak
-    if clipped:
-        return Measurement.undefined(name, whole.unit, text, clipped, basis)
-    sensed = Sensitivities.of_extremes(channel, value)
-    if scatter is None or not math.isfinite(scatter.peak_to_peak):
-        # a resolution beside a scatter that is not known would be stated as if it were all
-        few = _TOO_FEW_EXTREMES if scatter is None or scatter.periods < FEWEST_EXTREMES else _GROWS
-        why = unknown or few
-        return Measurement(name, value, whole.unit, text, basis, uncertainty_reason=why, sensitivities=sensed)
-    # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
-    budget = [Contribution(f"resolution {step:.3g} {whole.unit}", "B", step / math.sqrt(6.0))] if step else []
-    budget.append(Contribution("scatter of the extremes", "A", scatter.peak_to_peak, _DOF_OF_EXTREMES))
-    if missed := _missed(scatter, np.ptp):
-        budget.append(Contribution(BETWEEN, "B", missed))
-    source = (
-        f"scatter of maximum and minimum over records of this length, by those of the {scatter.periods} "
-        f"single {scatter.repeated}, whose mean peak-to-peak is {scatter.mean_peak_to_peak:.4g} "
-        f"{whole.unit}; a longer record reads more"
-    )
-    uncertain = _of_two_readings(combined(budget, source), step)
-    return Measurement(name, value, whole.unit, text, basis, uncertain, sensitivities=sensed)
 
 
 def _missed(scatter: Scatter | None, number: Callable[[NDArray[np.float64]], float]) -> float:

@@ -21,7 +21,7 @@ from benchtool.analysis.statistics.maxima import (
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import error_of_periods, error_of_series
 from benchtool.analysis.statistics.tail import tail_index
-from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
+from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
 
 Floats = NDArray[np.float64]
@@ -86,8 +86,8 @@ def extremes_of_ripple(
     is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
     largest, least = found[0] if is_told else found[1]
     of_beat = 0.0
-    if slow is not None and slow.swings(len(begin)):
-        largest, least, of_beat = _in_beat(samples, begin, slow)
+    if slow is not None and slow.swings:
+        largest, least, of_beat = _in_beat(samples, slow)
     if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
         return math.nan
     heaps = [scatter_of_heap(each) for each in _extremes_of_periods(samples, begin)]
@@ -116,12 +116,12 @@ def extremes_of_ripple(
     return max(apart, of_beat)  # nan of too few
 
 
-def _in_beat(samples: Floats, begin: NDArray[np.int64], slow: SlowRipple) -> tuple[_Maxima, _Maxima, float]:
+def _in_beat(samples: Floats, slow: SlowRipple) -> tuple[_Maxima, _Maxima, float]:
     """Return the extremes of periods of samples, shape (n,), in those of their parts that have half the power
     of the largest at least, in its size, and the standard deviation of the peak-to-peak by where in its
     beat a record begins."""
-    ends = np.append(begin, len(samples))
-    place = Periods(ends).places(np.arange(0.5, len(samples)))
+    ends, place = slow.repeats.rows, slow.repeats.places(len(samples))
+    begin = ends[:-1]
     rest = slow.without(samples, place)[0] - slow.mean.mean
     each = max(1, min(_PARTS_OF_PERIOD, _MOST_PARTS // len(begin), int(np.min(np.diff(ends)))))
     shares = np.arange(each) / each

@@ -34,7 +34,7 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
     return float(high - low)
 
 
-def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> MeanError:
+def percentile_scatter(samples: Floats, slow: SlowRipple) -> MeanError:
     """Return the standard uncertainty of the percentile range of samples, shape (n,), by what each period
     contributes to it.
 
@@ -46,11 +46,12 @@ def percentile_scatter(samples: Floats, repeats: Periods, slow: SlowRipple) -> M
     size of the ripple as where two tones beat, is expected: by the distribution of the rest without them.
     What is not, is where in a cycle the record begins and ends.
     """
+    repeats = slow.repeats
     beyond, begin = _Beyond.of(samples, repeats), repeats.rows[:-1]
     moved, of_cycles = beyond.moved(samples), 0.0
     rest = samples
     if not slow.is_steady:
-        place = repeats.places(np.arange(0.5, len(samples)))
+        place = repeats.places(len(samples))
         rest, order = slow.without(samples, place)
         moved -= beyond.expected(order, slow, place)
         place = np.linspace(0.0, 1.0, _PLACES)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
+from benchtool.analysis.statistics.between_samples import Between, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import MeanError, error_of_root
-from benchtool.analysis.torque.between_samples import Between, between_samples
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
@@ -69,7 +69,7 @@ def scatter_of_periods(
         repeated=repeats.name,
         mean=of_mean.error,
         rms=error_of_root(squares, rms, error_of_square),
-        percentile_range=percentile_scatter(within, repeats, slow)
+        percentile_range=percentile_scatter(within, slow)
         if percentiles and count >= FEWEST_EXTREMES
         else None,
         peak_to_peak=extremes_of_ripple(within, rest, begin, tails, step, slow),

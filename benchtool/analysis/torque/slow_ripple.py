@@ -22,10 +22,11 @@ _LEAST_SIZE = 0.25  # of a ripple in its rms: at a node of a beat it is not know
 @dataclass(frozen=True)
 class SlowRipple:
     """Slow lines and courses of the `mean` of samples, and of their `squares` about it, by which a ripple
-    grows and falls."""
+    grows and falls, over what `repeats`."""
 
     mean: MeanOverPeriods
     squares: MeanOverPeriods
+    repeats: Periods
 
     @staticmethod
     def of(
@@ -33,24 +34,25 @@ class SlowRipple:
     ) -> SlowRipple:
         """Return those of samples, shape (n,), whose squares about the mean and its lines are `of_square`."""
         if of_mean.course is None:
-            return SlowRipple(of_mean, of_square)
+            return SlowRipple(of_mean, of_square, repeats)
         # a course of the mean is in these squares, but not in the size of the ripple
-        about = samples - of_mean.mean - of_mean.slowly(repeats.places(np.arange(0.5, len(samples))))
-        return SlowRipple(of_mean, mean_over_periods(np.square(about), repeats))
+        about = samples - of_mean.mean - of_mean.slowly(repeats.places(len(samples)))
+        return SlowRipple(of_mean, mean_over_periods(np.square(about), repeats), repeats)
 
     @property
     def is_steady(self) -> bool:
         """Whether neither has a line or a course."""
         return self.mean.is_steady and self.squares.is_steady
 
-    def swings(self, periods: int) -> bool:
+    @property
+    def swings(self) -> bool:
         """Whether mean or size swing by a course, or the size by lines of which the largest is so slow that
-        a period, of so many, has nearly one size."""
+        a period has nearly one size."""
         cycles = [0.0 if each.course is None else each.course.cycles for each in (self.mean, self.squares)]
         lines = self.squares.lines
         if lines is not None and self.squares.of_lines:
             cycles.append(float(lines.cycles[np.argmax(np.hypot(lines.cosine, lines.sine))]))
-        return any(0.0 < _OF_ONE_SIZE * each < periods for each in cycles)
+        return any(0.0 < _OF_ONE_SIZE * each < len(self.repeats) for each in cycles)
 
     def size(self, place: Floats, later: float = 0.0) -> Floats:
         """Return the size of the ripple at places, shape (n,), from 0 to 1, relative to its rms, in a record

@@ -20,7 +20,7 @@ from benchtool.analysis import (
     track_angle,
 )
 from benchtool.analysis.measurement import measurements_from_json, measurements_to_json
-from benchtool.analysis.torque.between_samples import BETWEEN
+from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.torque.means_of_periods import Periods
 from benchtool.analysis.torque.ripple_scatter import scatter_of_periods
 from benchtool.block import Block, Channel, Gap

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import percentile_range, torque_ripple, track_angle
-from benchtool.analysis.torque.between_samples import between_samples
+from benchtool.analysis.statistics.between_samples import between_samples
 from benchtool.block import Block
 
 PERIODS = 40
