@@ -14,6 +14,7 @@ _SMALL = 1e-300
 _PRECISION = 1e-16
 _TERMS = 10_000
 _MANY = 1e4  # degrees of freedom from which on expansions in their reciprocal are exact to double precision
+_MANY_VALUES = 1000  # whose median is at that of their distribution
 _FAR_BELOW = 25.0  # standard deviations: from there on the distribution above zero is exponential
 _LEAST_SPARE = 0.5  # degrees of freedom beyond two: with fewer the deviation has no bound
 _NEWTON, _LAST = 50, 3e-8  # most steps of Newton's method, and the share after which the next adds no digit
@@ -175,6 +176,16 @@ def _normal_of_student(n: float, t: float) -> float:
     second = ((13.0 * w + 8.0) * w + 3.0) / 96.0
     third = (((35.0 * w + 19.0) * w + 1.0) * w - 15.0) / 384.0
     return t * (1.0 - (first - (second - third / n) / n) / n)
+
+
+@lru_cache(None)
+def median_of_exponentials(count: int) -> float:
+    """Return the mean of the median of so many independent, exponentially distributed values of mean 1: the
+    sum of 1 / i above the middle."""
+    if count > _MANY_VALUES:
+        return math.log(2.0)
+    upper = sum(1.0 / each for each in range(count // 2 + 1, count + 1))
+    return upper if count % 2 else upper + 1.0 / count
 
 
 def least_odds(by_chance: float) -> float:

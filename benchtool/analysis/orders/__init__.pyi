@@ -13,7 +13,9 @@ from .orders import (
     TORQUE_ORDERS as TORQUE_ORDERS,
     Orders as Orders,
     describe_orders as describe_orders,
-    machine_orders as machine_orders,
     order_analysis as order_analysis,
+)
+from .orders_of_machine import (
+    machine_orders as machine_orders,
     order_meaning as order_meaning,
 )

@@ -25,7 +25,8 @@ from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
-from benchtool.analysis.spectra.noise import converter_steps, line_noise, repeated_quantisation
+from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
+from benchtool.analysis.spectra.noise_of_lines import line_noise
 from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped

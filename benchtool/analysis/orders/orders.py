@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Final
 
@@ -28,6 +28,7 @@ from benchtool.analysis.orders.order_spectrum import (
     resampled_orders,
     revolutions_of,
 )
+from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, machine_orders, order_meaning
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.orders.wobble_source import WobbleSource, source_of_wobble
 from benchtool.analysis.periods import track_angle
@@ -45,8 +46,6 @@ _SECTORS = 72
 _NEARLY_ALL = 1.4  # half of a variance
 _FEWEST_TO_REPEAT = 4  # revolutions
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
-MACHINE_ORDERS: Final = ("1p", "2p", "6p", "12p", "slots", "cogging")
-"""The orders that a machine may be expected to have, as the names of measurements call them."""
 _NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" has no meaning
 
@@ -223,14 +222,6 @@ def describe_orders(
     return Orders(tuple(measurements), (table,), spectrum, pole_pairs, slots)
 
 
-def machine_orders(pole_pairs: int | None, slots: int | None) -> Mapping[str, int | None]:
-    """Return the order behind each of `MACHINE_ORDERS`; None where pole pairs or slots are not known."""
-    multiples = {key: int(key[:-1]) for key in MACHINE_ORDERS if key.endswith("p")}
-    of_poles = {key: None if pole_pairs is None else k * pole_pairs for key, k in multiples.items()}
-    cogging = None if pole_pairs is None or slots is None else math.lcm(slots, 2 * pole_pairs)
-    return {**of_poles, "slots": slots, "cogging": cogging}
-
-
 def _stands_out(spectrum: OrderSpectrum, order: int) -> bool:
     """Return whether an order exceeds the largest that noise causes among all of them."""
     return bool(spectrum.amplitude[order - 1] > spectrum.stands_out_above[order - 1])
@@ -306,34 +297,6 @@ def _uncertainty(spectrum: OrderSpectrum, order: int) -> Uncertainty:
         return spectrum.uncertainty(order)
     found = spectrum.uncertainty(order, _BELOW_THAT)
     return replace(found, source=f"{found.source}, x {_BELOW_THAT:g} as noise alone may read that much")
-
-
-def order_meaning(order: int, pole_pairs: int | None = None, slots: int | None = None) -> str:
-    """Return the cause of an order in a machine with these pole pairs and slots; empty if there is none.
-
-    Cogging is at multiples of the least common multiple of slots and poles (Hanselman, Brushless Permanent
-    Magnet Motor Design); ripple of the phase harmonics 6m - 1 and 6m + 1 at 6m times the pole pairs.
-    """
-    meanings = []
-    if pole_pairs is not None and order % pole_pairs == 0:
-        multiple = order // pole_pairs
-        if multiple == 1:
-            meanings.append("electrical fundamental, p")
-        elif multiple % 6 == 0:
-            meanings.append(f"{multiple}p, phase harmonics {multiple - 1} and {multiple + 1}")
-        else:
-            meanings.append(f"{multiple}p, electrical harmonic")
-    if slots is not None and pole_pairs is not None and order % (lcm := math.lcm(slots, 2 * pole_pairs)) == 0:
-        meanings.append(f"{_times(order // lcm)}cogging, lcm of {slots} slots and {2 * pole_pairs} poles")
-    elif slots is not None and order % slots == 0:
-        meanings.append(f"{_times(order // slots)}slots")
-    if order == 1 and not meanings:
-        meanings.append("once per revolution")
-    return "; ".join(meanings)
-
-
-def _times(multiple: int) -> str:
-    return "" if multiple == 1 else f"{multiple} x "
 
 
 def _parenthesis(order: int, pole_pairs: int | None, slots: int | None) -> str:

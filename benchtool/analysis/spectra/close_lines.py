@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.close_distances import likely_fits
+from benchtool.analysis.spectra.converter_lines import aliased_quantisation
 from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel
-from benchtool.analysis.spectra.noise import aliased_quantisation, harmonic_noise
+from benchtool.analysis.spectra.noise import harmonic_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 Floats = NDArray[np.float64]

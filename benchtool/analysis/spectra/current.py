@@ -15,6 +15,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.converter_lines import largest_of_steps
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
 from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
@@ -22,7 +23,8 @@ from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_tabl
 from benchtool.analysis.spectra.interharmonics import noise_of_fit
 from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
-from benchtool.analysis.spectra.noise import NoiseFloor, largest_of_steps, line_noise, noise_floor
+from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor
+from benchtool.analysis.spectra.noise_of_lines import line_noise
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,

@@ -15,12 +15,9 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.spectra.continuation import continuation
-from benchtool.analysis.spectra.noise import (
-    aliased_quantisation,
-    hann_quadrature,
-    harmonic_noise,
-    line_noise,
-)
+from benchtool.analysis.spectra.converter_lines import aliased_quantisation
+from benchtool.analysis.spectra.noise import harmonic_noise
+from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSamples, CoherentSpectrum, rows_of
 from benchtool.analysis.statistics.regimes import STANDS_OUT, change_of_regime

@@ -59,7 +59,8 @@ def phasors_at(bins: Complexes, place: Floats, count: int) -> Complexes:
 
 
 def hann_kernel(apart: Floats, count: int) -> Floats:
-    """Return the bins of a line of amplitude one under a Hann window at distances from it, of `count` samples.
+    """Return the bins of a line of amplitude one under a Hann window at distances from it, for `count`
+    samples.
 
     They are D(x) + (D(x - 1) + D(x + 1)) / 2 of Dirichlet's kernel D(x) = sin(pi x) exp(j pi x / n) / (n sin
     (pi x / n)), which is the real number here.

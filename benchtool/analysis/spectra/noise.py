@@ -1,35 +1,21 @@
-"""Noise floor of a spectrum, and its effect on amplitudes."""
+"""Noise between the harmonics of a spectrum: its floor, and that around each harmonic."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import students_deviation
-from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, repeated_steps
+from benchtool.analysis.distributions import median_of_exponentials
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
-from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
-PAIRS = 8
-"""Pairs of bins around a line that its noise is read off."""
-
-_NEAREST = 3
-_OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
-_OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
-_LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
-_LARGE = 1000
-_MOSTLY = 0.95  # of the places of a converter's levels
-_FOLDED = 4  # multiples of the rate
-_MAIN_LOBE = 2.5  # bins beside a line under a squared Hann window
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
@@ -72,21 +58,6 @@ class NoiseFloor:
         line changes its length.
         """
         return self.amplitude / math.sqrt(2.0)
-
-
-@dataclass(frozen=True)
-class LineNoise:
-    """Effect of noise and leakage on lines of a spectrum, all of shape (lines,).
-
-    `in_phase` is the standard uncertainty of a line's amplitude, `quadrature` that of amplitude times phase,
-    each of `dof` degrees of freedom; nan where too few bins are near. `lost` is what a line's own wander of
-    phase has moved into the bins beside it, 0 where that may be noise.
-    """
-
-    in_phase: NDArray[np.float64]
-    quadrature: NDArray[np.float64]
-    dof: NDArray[np.float64]
-    lost: NDArray[np.float64]
 
 
 def noise_floor(
@@ -224,12 +195,12 @@ def _median(values: NDArray[np.float64]) -> float:
 def _power_without_lines(square: NDArray[np.float64]) -> float:
     """Return the mean of exponentially distributed squares, shape (n,), by the median of those that are no
     line."""
-    power = _median(square) / _median_of_exponentials(len(square))
+    power = _median(square) / median_of_exponentials(len(square))
     lines = int(np.count_nonzero(square > _LINE * power))
     if lines <= _LINES_BY_CHANCE * len(square):
         return power
     rest = len(square) - lines
-    return _median(np.partition(square, rest - 1)[:rest]) / _median_of_exponentials(rest)
+    return _median(np.partition(square, rest - 1)[:rest]) / median_of_exponentials(rest)
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:
@@ -253,172 +224,6 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     return np.asarray(medians / MEDIAN_OF_RMS / math.sqrt(2.0))
 
 
-def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:
-    """Return the noise of lines, in bins of shape (lines,), from the pairs of bins at equal distances around
-    each.
-
-    The lower bin of a pair, conjugated, and the upper one, both turned to the line's phase, add up to what
-    changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
-    is coloured, or shares its phase with the line, and leakage from interharmonics are seen as they act on
-    the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
-    by their median, which lines do not disturb, and the larger of both is taken.
-    """
-    periods, bins = spectrum.periods, spectrum.phasor
-    offsets = np.arange(1, 2 * PAIRS + 1)
-    upper, lower = lines[:, np.newaxis] + offsets, lines[:, np.newaxis] - offsets
-    inside = (upper < len(bins)) & (lower > 0) & (upper % periods != 0) & (lower % periods != 0)
-    inside &= np.cumsum(inside, axis=1) <= PAIRS
-    towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
-    above = bins[np.where(inside, upper, 0)] * towards
-    below = np.conj(bins[np.where(inside, lower, 0)] * towards)
-    pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
-    together, apart = above + below, above - below
-    return LineNoise(
-        noise_of_pairs(together, inside),
-        noise_of_pairs(apart, inside),
-        2.0 * np.maximum(pairs, 1.0),
-        _lost(together, apart, inside, spectrum.amplitude[lines]),
-    )
-
-
-def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
-    """Return the noise of the amplitude times phase of the fundamental under a Hann window, from the pairs of
-    bins around it; nan where there are fewer than three.
-
-    What leaks from a decaying dc or a line far away is in the bins of the rectangular window, and hardly in
-    these, as it is hardly in a fit with such a window. A bin is X_b - (X_(b-1) + X_(b+1)) / 2, of 3/2 of the
-    power of the noise, and neighbours are correlated by 2/3: about two of them count as one.
-    """
-    periods, bins = spectrum.periods, spectrum.phasor
-    window = bins.copy()
-    window[1:-1] -= 0.5 * (bins[2:] + bins[:-2])
-    offsets = np.arange(2, min(2 * PAIRS, periods - 1))
-    offsets = offsets[periods + offsets < len(bins) - 1][:PAIRS]
-    if len(offsets) < _NEAREST:
-        return MeanError(math.nan, 1.0)
-    towards = np.exp(-1j * np.angle(bins[periods]))
-    apart = window[periods + offsets] * towards - np.conj(window[periods - offsets] * towards)
-    found = noise_of_pairs(apart[np.newaxis, :] / math.sqrt(1.5), np.ones((1, len(offsets)), dtype=np.bool_))
-    return MeanError(float(found[0]), float(len(offsets)))
-
-
-def converter_steps(
-    spectrum: CoherentSpectrum,
-    step: float,
-    turns: NDArray[np.float64] | None = None,
-    level: float | None = None,
-) -> RepeatedSteps | None:
-    """Return the errors that a converter's steps repeat with a signal; None where there are none, or the
-    noise between the harmonics hides them.
-
-    `turns`, shape (n,), are where the samples were taken, in periods from the first of the spectrum on, and
-    `level` a value of the converter, where these are known.
-    """
-    periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
-    if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
-        return None
-    square = np.square(spectrum.amplitude)
-    between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
-    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
-    mean = float(spectrum.phasor[0].real)
-    return repeated_steps(mean, lines, step, between / in_band, spectrum.samples, periods, turns, level)
-
-
-def repeated_quantisation(
-    spectrum: CoherentSpectrum, steps: RepeatedSteps | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what a converter's steps, as far as they repeat with the signal, do to harmonics 1, 2 ...: the
-    standard uncertainty of the amplitude of each, and the mean square of the amplitude that is added to each,
-    both of shape (harmonics,)."""
-    lines = spectrum.phasor[spectrum.periods :: spectrum.periods]
-    none = np.zeros(len(lines))
-    return (none, none) if steps is None else steps.of_lines(lines)
-
-
-def aliased_quantisation(spectrum: CoherentSpectrum, step: float, harmonics: int = 1) -> NDArray[np.float64]:
-    """Return the rms amplitude of errors of a converter's steps that fold to beside each of the first
-    harmonics, shape (harmonics,), each as much as it moves a frequency by a fit under a Hann window, relative
-    to a line a bin away.
-
-    Where j periods hold nearly a whole number n of samples, orders n - h and n + h of the error fold to
-    lines so few bins beside harmonic h that the window does not keep them off.
-    """
-    found = converter_steps(spectrum, step)
-    if found is None:
-        return np.zeros(harmonics)
-    whole = np.arange(1, _FOLDED + 1) * (spectrum.samples / spectrum.periods)
-    nearest = np.round(whole).astype(np.int64)
-    apart = np.abs(nearest - whole) * spectrum.periods
-    order = np.arange(1, harmonics + 1)[:, np.newaxis]
-    below, above = ((nearest + by).ravel() for by in (-order, order))
-    power = (found.power_at(below) + found.power_at(above)).reshape(harmonics, -1)
-    # of int cos^4 t sin(2 pi d t) dt, which is near its greatest from half a bin to one and a half
-    moved = np.minimum(1.0, 2.0 * apart) * (apart < _MAIN_LOBE)
-    return np.asarray(np.sqrt(power @ moved**2))
-
-
-def largest_of_steps(spectrum: CoherentSpectrum, steps: RepeatedSteps | None, below_order: float) -> float:
-    """Return the amplitude that no line of a converter's errors below an order exceeds in 95 % of the cases.
-
-    Orders above half of the rate fold down to between the harmonics: they are few lines, and no noise.
-    """
-    if steps is None:
-        return 0.0
-    per_period = spectrum.samples / spectrum.periods
-    orders = np.arange(2, steps.highest_order + 1)
-    folded = np.abs(orders - np.round(orders / per_period) * per_period)
-    bin_order = 1.0 / spectrum.periods
-    aside = (folded > bin_order) & (np.abs(folded - 1.0) > bin_order)
-    return steps.largest_at(orders[aside & (folded < below_order)], _MOSTLY)
-
-
-def _lost(
-    in_phase: NDArray[np.complex128],
-    quadrature: NDArray[np.complex128],
-    inside: NDArray[np.bool_],
-    amplitude: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return half of the phase's variance times the amplitude: sidebands in quadrature, less those of
-    noise."""
-    of_phase = np.sum(np.where(inside, np.abs(quadrature) ** 2, 0.0), axis=1)
-    of_amplitude = np.sum(np.where(inside, np.abs(in_phase) ** 2, 0.0), axis=1)
-    excess = np.where(of_phase > _CLEARLY * of_amplitude, of_phase - of_amplitude, 0.0)
-    variance = np.divide(excess, 2.0 * amplitude**2, out=np.zeros_like(excess), where=amplitude > 0.0)
-    return np.asarray(amplitude * np.minimum(1.0, 0.5 * variance))
-
-
-def noise_of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
-    pairs)."""
-    square, counts = 0.25 * (sums.real**2 + sums.imag**2), np.count_nonzero(inside, axis=1)
-    found = np.full(len(square), np.nan)
-    for count in np.unique(counts[counts > 0]):
-        rows = counts == count
-        found[rows] = noise_at_lines(square[rows][inside[rows]].reshape(-1, count))
-    return np.asarray(np.sqrt(found))
-
-
-def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the noise power at lines, shape (lines,), by that of pairs around each, the nearest first, shape
-    (lines, pairs).
-
-    Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
-    rises towards the line, and goes on to rise by as much again. The nearest are few: their mean counts as
-    Student's distribution would have it, less what is gained where the median is the larger.
-    """
-    pairs = power.shape[1]
-    middle = np.median(power, axis=1) / _median_of_exponentials(pairs)
-    nearest = np.mean(power[:, :_NEAREST], axis=1)
-    if pairs == 1:
-        return np.asarray(nearest * _OF_ONE_PAIR**2)
-    if pairs < PAIRS:
-        return np.asarray(np.maximum(nearest, middle) * students_deviation(2.0 * pairs) ** 2)
-    beyond = np.median(power[:, _NEAREST:], axis=1) / _median_of_exponentials(pairs - _NEAREST)
-    rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
-    risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)
-    return np.where(nearest <= middle, middle, risen)
-
-
 def _bands(count: int) -> list[slice]:
     """Return the successive parts of `count` bins: 16 or a tenth of those before, whichever is more."""
     edges = [0]
@@ -428,15 +233,6 @@ def _bands(count: int) -> list[slice]:
         del edges[-2]
     edges[-1] = count
     return [slice(begin, end) for begin, end in itertools.pairwise(edges)]
-
-
-@cache
-def _median_of_exponentials(count: int) -> float:
-    """Return the mean of the median of `count` independent ones of mean 1: sum of 1 / i above the middle."""
-    if count > _LARGE:
-        return math.log(2.0)
-    upper = sum(1.0 / each for each in range(count // 2 + 1, count + 1))
-    return upper if count % 2 else upper + 1.0 / count
 
 
 def _guard(spectrum: CoherentSpectrum) -> int:

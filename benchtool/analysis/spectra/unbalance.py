@@ -23,11 +23,12 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED
 from benchtool.analysis.spectra.moving_tones import Course
-from benchtool.analysis.spectra.noise import PAIRS, converter_steps, noise_at_lines, repeated_quantisation
+from benchtool.analysis.spectra.noise_of_lines import PAIRS, noise_at_lines
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,

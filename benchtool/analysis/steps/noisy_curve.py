@@ -36,6 +36,9 @@ from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola
 
 Floats = NDArray[np.float64]
 
+CALM = 5.0
+"""Standard uncertainties of the curve that noise alone hardly ever leaves."""
+
 _OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
 _DRAWS = 80
 _FEWEST_DRAWS = 20

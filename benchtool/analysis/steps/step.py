@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from statistics import NormalDist
 from typing import Final
 
@@ -21,18 +20,18 @@ from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantit
 from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
-from benchtool.analysis.sensitivity import MEASURED_AGAIN, SIGNED_AND_MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.statistics.scatter import means_of_parts
-from benchtool.analysis.steps.arrived_samples import LITTLE, ArrivedSamples, end_of_tail
+from benchtool.analysis.steps.arrived_samples import LITTLE, end_of_tail
 from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
-from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_drift import find_drift, wanders
+from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
 from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
-from benchtool.analysis.steps.step_validity import why_unknown
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -41,14 +40,12 @@ Floats = NDArray[np.float64]
 
 _LOW, _HIGH = 0.1, 0.9
 _ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling band
-_CALM = 5.0  # standard uncertainties of the curve that noise alone hardly ever leaves
 _AT_REST = 2.0  # times the settling time, at least
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
 _FEWEST_SAMPLES = 20  # whose scatter says something
-_UNDECIDED = "because of noise this is undecided"
 _FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
 _MIDDLES = (np.arange(64) + 0.5) / 64  # of parts of a probability
 _NORMAL = np.array([NormalDist().inv_cdf(each) for each in _MIDDLES.tolist()])
@@ -141,8 +138,8 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
     yield from _times(step, curve, arrived)
     yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
     yield from _excursions(step, curve, arrived)
-    yield from _plateau(step, curve, arrived, band)
-    yield from _tracking(step, curve, settled, band)
+    yield from plateau_numbers(step, curve, arrived, band)
+    yield from tracking_numbers(step, curve, settled, band)
 
 
 def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
@@ -170,12 +167,12 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
 def _band(step: Step, curve: NoisyCurve) -> float:
     """Return half the width within which the curve counts as settled."""
     tail = max(1, round(TAIL * len(curve.values)))
-    return max(_ARRIVED * step.height, _CALM * float(np.median(curve.standard[-tail:])))
+    return max(_ARRIVED * step.height, CALM * float(np.median(curve.standard[-tail:])))
 
 
 def _settling_text(step: Step, band: float) -> str:
     least = f"{_ARRIVED:.0%} of the step"
-    why = least if band <= _ARRIVED * step.height else f"{_CALM:g} x its uncertainty, as {least} is less"
+    why = least if band <= _ARRIVED * step.height else f"{CALM:g} x its uncertainty, as {least} is less"
     text = (
         f"from the step until the smoothed signal stays within {band:.4g} {step.unit} of the final "
         f"reference, the mean of its last tenth: {why}"
@@ -229,7 +226,7 @@ def _after(since: float, standard: float, zero_error: float) -> Instant:
 def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
     """Return a time between two instants."""
     if found is not None and not math.isfinite(found.standard):
-        found, reason = None, _UNDECIDED
+        found, reason = None, UNDECIDED
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
     source = "noise of the smoothed signal over its slope, and where between two samples it may be"
@@ -257,7 +254,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
     text = "greatest value of the smoothed signal beyond the greatest reference"
     error = math.hypot(of_curve, step.greatest_error)
     beyond, of_overshoot = _at_least_zero(step, greatest - step.greatest, error)
-    yield _value(step, "overshoot", text, beyond, Uncertainty(of_overshoot, source))
+    yield step.number("overshoot", text, beyond, Uncertainty(of_overshoot, source))
     percent = 100.0 / step.height
     text = "100 x overshoot / height of the step of the reference"
     relative = Uncertainty(percent * of_overshoot, source)
@@ -276,122 +273,13 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
     if peak is not None:
         standard = math.hypot(standard, curve.lowered_after_greatest(lowest) / math.sqrt(3.0))
     short, standard = _at_least_zero(step, step.final - lowest, math.hypot(standard, step.final_error))
-    yield _value(step, name, text, short, Uncertainty(standard, source))
+    yield step.number(name, text, short, Uncertainty(standard, source))
 
 
 def _at_least_zero(step: Step, found: float, standard: float) -> tuple[float, float]:
     """Return the best estimate of what cannot be negative, and its standard uncertainty."""
     value, standard = above_zero(found, standard)
     return value if value > _ROUNDING * step.height else 0.0, standard
-
-
-def _plateau(step: Step, curve: NoisyCurve, arrived: Instant | None, band: float) -> Iterator[Measurement]:
-    """Yield the numbers of the plateau: signal and reference both at their greatest."""
-    begin, end = step.holds, step.leaves
-    since = Instant(float(begin), 0.0)
-    if arrived is None or math.ceil(max(arrived.place, since.place)) >= end:
-        since, end = Instant(0.0, 0.0), 0
-    elif arrived.place > begin:
-        since = arrived
-    reason = ""
-    if not end:
-        reason = "the reference leaves its greatest value before the signal reaches it"
-    elif not math.isfinite(since.standard):
-        reason = _UNDECIDED
-    values = step.sign * step.y[:end]
-    found = None if reason else _arrived(step, values, curve.against(step.sign), since, band)
-    samples = len(values) - math.ceil(since.place)
-    for name, which, of, uncertain in (
-        ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
-        ("plateau_min", "least", np.min, ArrivedSamples.of_least),
-        ("plateau_max", "greatest", np.max, ArrivedSamples.of_greatest),
-    ):
-        text = (
-            f"{which} sample from reaching 98% of the step until the reference leaves the {_ARRIVED:.0%} "
-            f"below its greatest value, {samples} samples"
-        )
-        if found is None:
-            yield Measurement.undefined(name, step.unit, text, reason, step.basis)
-        else:
-            value = float(of(found.values))
-            yield _value(step, name, text, value, uncertain(found), SIGNED_AND_MEASURED_AGAIN)
-
-
-def _tracking(step: Step, curve: NoisyCurve, settled: Instant | None, band: float) -> Iterator[Measurement]:
-    undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
-    left = 0 if settled is None else len(step.y) - math.ceil(settled.place)
-    if settled is None or left < 2 or not math.isfinite(settled.standard):
-        reason = "it does not settle" if left < 2 else _UNDECIDED
-        for name in ("mean", "rms", "max"):
-            text = "signal minus reference after settling"
-            yield undefined(f"tracking_error_{name}", definition=text, reason=reason)
-        return
-    error = step.sign * (step.y - step.r)
-    course = curve.against(step.sign, step.r)
-    fall = step.leaves if step.leaves < len(step.r) else 0  # of a pulse, and no time since its rise counts
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, fall)
-    window = f"signal minus reference, {left} samples after settling"
-    mean = float(np.mean(found.values))
-    text = f"mean of {window}"
-    yield _value(step, "tracking_error_mean", text, mean, found.of_mean(), SIGNED_AND_MEASURED_AGAIN)
-    yield _tracking_rms(step, found, window)
-    greatest = float(np.max(np.abs(found.values)))
-    text = f"greatest magnitude of {window}"
-    yield _value(step, "tracking_error_max", text, greatest, found.of_magnitude())
-
-
-def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> Instant:
-    """Return the instant at which a signal has `settled` within a `band`, of which noise makes none while it
-    is surely outside, as before a pulse falls."""
-    outside = np.flatnonzero(np.abs(curve.values - step.final) > band + _CALM * curve.standard)
-    if not len(outside) or not settled.drawn:
-        return settled
-    earlier = max(0.0, settled.place - float(outside[-1]))
-    drawn = np.maximum(settled.drawn, np.nanmedian(settled.drawn) - earlier)
-    return replace(settled, drawn=tuple(drawn.tolist()))
-
-
-def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement:
-    """Return the rms of the error, without the power that noise leaves in a reference."""
-    name, text = "tracking_error_rms", f"rms, with the mean, of {window}"
-    square, uncertain = found.rms**2, found.of_rms()
-    if not len(step.r_errors) or uncertain is None or not square > 0.0:
-        return _value(step, name, text, found.rms, uncertain)
-    powers = np.mean(step.r_errors[:, -len(found.values) :] ** 2, axis=1)
-    power, spread = float(np.mean(powers)), float(np.std(powers))
-    text = f"{text}, without {math.sqrt(power):.2g} {step.unit} rms of noise left in the reference"
-    # of a square, and with it of its root, less than a standard uncertainty is left
-    least = math.hypot(spread, 2.0 * found.rms * uncertain.standard)
-    if square - power < least:
-        reason = "it is not told from the noise of the reference: record a reference that has less"
-        return Measurement.undefined(name, step.unit, text, reason, step.basis)
-    rms = math.sqrt(square - power)
-    lines = (
-        Contribution("that of the rms with this noise", "A", uncertain.standard * found.rms / rms),
-        Contribution("power of noise left in the reference", "A", spread / (2.0 * rms)),
-    )
-    return _value(step, name, text, rms, combined(lines, uncertain.source))
-
-
-def _arrived(
-    step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float, event: int = 0
-) -> ArrivedSamples:
-    if step.shown_late:  # the sample before the instant is shown for any part of the time after it
-        late = 0.5 * step.shown_late
-        drawn = tuple(each - late for each in since.drawn)
-        since = Instant(since.place - late, since.standard, drawn).widened(late)
-    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event)
-
-
-def _value(
-    step: Step,
-    name: str,
-    definition: str,
-    value: float,
-    uncertain: Uncertainty | None,
-    sensitivities: Sensitivities = MEASURED_AGAIN,
-) -> Measurement:
-    return Measurement(name, value, step.unit, definition, step.basis, uncertain, sensitivities=sensitivities)
 
 
 class StepSettings(Section):

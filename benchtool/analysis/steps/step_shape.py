@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.measurement import Basis
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.steps.clicks import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.row_times import even_hold
 from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -77,6 +79,18 @@ class Step:
     period_s: float
     unit: str
     basis: Basis
+
+    def number(
+        self,
+        name: str,
+        definition: str,
+        value: float,
+        uncertain: Uncertainty | None,
+        sensitivities: Sensitivities = MEASURED_AGAIN,
+    ) -> Measurement:
+        """Return a number of the step in the signal's unit."""
+        basis = self.basis
+        return Measurement(name, value, self.unit, definition, basis, uncertain, sensitivities=sensitivities)
 
     @cached_property
     def converter_step(self) -> float:

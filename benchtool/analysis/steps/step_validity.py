@@ -9,6 +9,7 @@ from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_shape import Step
 from benchtool.analysis.validity import clipped_share
 
+UNDECIDED = "because of noise this is undecided"
 _FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 
 

@@ -12,7 +12,8 @@ from hypothesis import given, settings, strategies as st
 from benchtool.analysis.orders.angle import TURN, angle_coverage, between_updates, least_step_rad
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
-from benchtool.analysis.orders.orders import MACHINE_ORDERS, describe_orders, order_analysis, order_meaning
+from benchtool.analysis.orders.orders import describe_orders, order_analysis
+from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, order_meaning
 from benchtool.block import Gap
 from benchtool.errors import AnalysisError
 from tests.unit.analysis.orders.cogging_torque import COGGING, Array, block_of, steady, torque_at

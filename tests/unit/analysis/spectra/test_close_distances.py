@@ -20,7 +20,7 @@ PLACES = [10.3, 11.0, 12.5, 13.0 + 1e-7, 63.9]
 def test_a_line_makes_of_the_bins_of_whole_periods_what_a_transform_does(place: float) -> None:
     turns = np.exp(2j * np.pi * place * np.arange(COUNT) / COUNT)
     expected = np.fft.fft(turns) / COUNT
-    found = interharmonics.response(place, np.arange(COUNT), COUNT)
+    found = interharmonics.dirichlet_kernel(place, np.arange(COUNT), COUNT)
     assert np.max(np.abs(found - expected)) < 1e-13
 
 
@@ -29,7 +29,7 @@ def test_a_line_is_real_in_the_bins_of_a_hann_window_in_the_middle_of_the_record
     at = (np.arange(COUNT) + 1.0) / COUNT - 0.5
     apart = place - np.arange(float(COUNT))
     expected = np.exp(2j * np.pi * np.outer(apart, at)) @ (1.0 + np.cos(2.0 * np.pi * at)) / COUNT
-    assert np.max(np.abs(line_models.response(apart, COUNT) - expected)) < 1e-13
+    assert np.max(np.abs(line_models.hann_kernel(apart, COUNT) - expected)) < 1e-13
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
-from benchtool.analysis.spectra.noise import noise_at_lines
+from benchtool.analysis.spectra.noise_of_lines import noise_at_lines
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.block import Block, Channel
 

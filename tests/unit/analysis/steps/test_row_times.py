@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, analyze_step
-from benchtool.analysis.steps.row_times import hold, scatter_of_times
+from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.block import Block
 
@@ -80,9 +80,9 @@ def test_a_sample_of_several_rows_is_found_in_noise_and_without() -> None:
     for rms in (0.0, 0.01):
         fresh = _lag(row) + rms * random.standard_normal(ROWS)
         held = fresh[np.maximum(np.arange(ROWS) - 2, 0) // 5 * 5 + 2]
-        assert hold(held) == (5, 2)
-        assert hold(fresh) == (1, 0)
-    assert hold(np.round(_lag(row), 2))[0] == 1
+        assert even_hold(held) == (5, 2)
+        assert even_hold(fresh) == (1, 0)
+    assert even_hold(np.round(_lag(row), 2))[0] == 1
 
 
 def test_numbers_of_a_held_signal_are_those_of_its_samples() -> None:
