@@ -93,7 +93,7 @@ class HeavyTail:
     def above(deviations: NDArray[np.float64]) -> HeavyTail | None:
         """Return that of the twentieth of deviations, shape (n,), that is largest; None of too few. Each
         index that the moment estimate allows counts the same."""
-        above, top = np.maximum(deviations - np.median(deviations), 0.0), len(deviations) // _OF_HEAVY
+        above, top = deviations - np.median(deviations), len(deviations) // _OF_HEAVY
         if top < _FEWEST_OF_HEAVY:
             return None
         largest = np.partition(above, len(above) - top - 1)[len(above) - top - 1 :]

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from scipy import stats
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.plan.limits import Limit, Verdict, missed, worst
+from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
 
 ITEMS = 100_000
 
@@ -167,3 +167,32 @@ def test_a_limit_without_a_probability_says_why(
     document = Limit(max=2.0, margin=margin).to_json(measured)
     assert document["conformance_reason"] == reason
     assert "conformance" not in document
+
+
+@pytest.mark.parametrize(
+    ("limit", "value", "verdict", "reason"),
+    [
+        (Limit(max=2.0), None, Verdict.FAIL, "was not measured, ≤ 2 is asked for"),
+        (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 is asked for"),
+        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.95 Nm, within 0.1 of its limit ≤ 2"),
+        (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.5 Nm, at most 2 is allowed: 0.5 too much"),
+        (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.5 Nm, at least 2 is asked for: 0.5 too little"),
+    ],
+)
+def test_a_limit_that_was_missed_says_by_how_much(
+    limit: Limit, value: float | None, verdict: Verdict, reason: str
+) -> None:
+    found = missed("x", limit, None if value is None else Measurement("x", value, "Nm", "of x"))
+    assert found == Missed("x", verdict, reason)
+    assert str(found) == f"x {reason}"
+
+
+def test_a_limit_that_was_met_is_not_missed() -> None:
+    assert missed("x", Limit(max=2.0), Measurement("x", 2.0, "Nm", "")) is None
+
+
+def test_a_limit_is_a_table_or_one_already() -> None:
+    limit = Limit(max=2.0)
+    assert Limit.model_validate(limit) is limit
+    with pytest.raises(ValidationError, match="dictionary or instance of Limit"):
+        Limit.model_validate("at most 2")

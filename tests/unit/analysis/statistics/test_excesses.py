@@ -71,3 +71,37 @@ def test_heavy_samples_beside_the_crests_of_a_ripple_do_not_make_its_largest() -
     deviations = np.random.default_rng(13).standard_t(3.0, 8000)
     assert scatter_in_tail(deviations, np.linspace(1.0, 1.01, 20)) == 0.0
     assert HeavyTail.above(deviations[:300]) is None
+
+
+def test_the_excess_is_over_the_next_of_half_as_many_again_as_the_root_of_the_values() -> None:
+    values = np.random.default_rng(5).exponential(1.0, 100)
+    of_gumbel, ordered = -np.log(-np.log((np.arange(84, 100) + 0.5) / 100)), np.sort(values)
+    excess = float(np.mean(ordered[-15:]) - ordered[-16]) / float(np.mean(of_gumbel[1:]) - of_gumbel[0])
+    assert scatter_of_largest(values) == pytest.approx(math.pi / math.sqrt(6.0) * excess)
+
+
+def test_of_four_that_are_the_largest_alike_all_of_few_tell() -> None:
+    values = np.array([0.0, 0.3, -0.2, 0.1, -0.1, 0.2, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    order = np.random.default_rng(1).permutation(len(values))
+    assert scatter_of_largest(values[order]) == pytest.approx(0.6 * float(np.std(values, ddof=1)))
+
+
+@pytest.mark.parametrize("below", [0.5, 30.0])
+def test_values_that_are_held_scatter_as_what_is_above_their_median_does(below: float) -> None:
+    values = np.random.default_rng(0).standard_normal(400)
+    held = np.repeat(np.where(values > 0.0, values, below * values), 5)
+    assert scatter_of_largest(held) == pytest.approx(0.77, abs=0.07)
+
+
+def test_a_heavy_tail_is_of_a_twentieth_of_the_values_and_of_any_unit() -> None:
+    values = np.random.default_rng(4).standard_t(3.0, 8000)
+    maxima = np.max(values.reshape(20, 400), axis=1)
+    tail, ordered = HeavyTail.above(values), np.sort(values)
+    assert tail is not None
+    assert tail.count == 400
+    assert tail.excess == pytest.approx(float(np.mean(ordered[-400:]) - ordered[-401]))
+    assert HeavyTail.above(values[:399]) is None
+    assert HeavyTail.above(values[:400]) is not None
+    for maxima_of in (maxima, 0.7 * maxima, 0.2 * maxima):
+        of_small_unit = scatter_in_tail(1e3 * values, 1e3 * maxima_of)
+        assert of_small_unit == pytest.approx(1e3 * tail.scatter_of_largest(maxima_of))

@@ -67,3 +67,15 @@ def test_the_moment_estimate_is_of_the_index_with_its_deviation() -> None:
     assert np.mean(found[:, 0]) == pytest.approx(0.25, abs=0.05)
     assert np.std(found[:, 0]) == pytest.approx(np.mean(found[:, 1]), rel=0.15)
     assert moment_estimate(np.ones(100), 20) == moment_estimate(np.zeros(100), 20) == (0.0, 0.0)
+
+
+def test_a_tail_on_one_side_is_one_of_the_magnitudes_from_twenty_values_of_it_on() -> None:
+    size = ((np.arange(2000) + 0.5) / 2000) ** -0.5  # quantiles of Pareto's distribution of index 1/2
+    assert tail_index(-size) == tail_index(size) == pytest.approx(0.5 + 1.25**0.5 / 20.0**0.5, abs=0.1)
+    assert tail_index(-size[1:]) == 0.0
+
+
+def test_heavy_tails_are_of_less_than_a_quarter_of_the_values() -> None:
+    few = np.random.default_rng(3).standard_t(3.0, 81)
+    assert len(tail_indices_of_heavy(few, 10)) > 8
+    assert tail_indices_of_heavy(few[1:], 10) == ()
