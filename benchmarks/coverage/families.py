@@ -63,6 +63,7 @@ class Score:
     """
 
     family: str
+    fixed_within_bound: bool
     measurement: str
     repetitions: int
     answered: int
@@ -71,7 +72,6 @@ class Score:
     within_U: float
     rms: float
     mean: float
-    fixed_within_bound: bool = False
 
     @property
     def verdict(self) -> str:
@@ -103,22 +103,21 @@ def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
                 found.setdefault(measured.name, []).append((measured, truth))
         except AnalysisError:
             continue
-    if not found:
-        yield Score(family.name, "all", repetitions, 0, *(math.nan,) * 5, family.fixed_within_bound)
-    for name, results in found.items():
+    for name, results in (found or {"all": []}).items():
         yield _score(family, name, repetitions, results)
 
 
 def _score(
     family: Family, name: str, repetitions: int, results: Sequence[tuple[Measurement, float]]
 ) -> Score:
+    scored = partial(Score, family.name, family.fixed_within_bound, name, repetitions)
     answers = [
         (each.value, truth, each.uncertainty)
         for each, truth in results
         if math.isfinite(each.value) and each.uncertainty is not None
     ]
     if not answers:
-        return Score(family.name, name, repetitions, 0, *(math.nan,) * 5, family.fixed_within_bound)
+        return scored(0, *(math.nan,) * 5)
     value = np.array([each for each, _, _ in answers])
     truth = np.array([each for _, each, _ in answers])
     standard = np.array([max(each.standard, 1e-300) for _, _, each in answers])
@@ -130,17 +129,13 @@ def _score(
         error[of_ensemble] *= math.sqrt(len(value) / (len(value) - 1.0))
     error[np.abs(error) < _ROUNDING * np.abs(truth)] = 0.0
     relative = error / standard
-    return Score(
-        family.name,
-        name,
-        repetitions,
+    return scored(
         len(answers),
         float(np.mean(np.abs(relative) <= 1.0)),
         float(np.mean(np.abs(relative) <= 2.0)),
         float(np.mean(np.abs(error) <= expanded)),
         float(np.sqrt(np.mean(np.clip(relative, -1e6, 1e6) ** 2))),
         float(np.mean(relative)),
-        family.fixed_within_bound,
     )
 
 

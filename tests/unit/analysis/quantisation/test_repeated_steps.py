@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.quantisation.repeated_steps import (
+    RepeatedSteps,
+    error_of_steps,
     noise_beside,
+    periods_to_same_places,
     repeated_steps,
     share_left,
     steps_of_periods,
@@ -158,3 +161,39 @@ def test_the_largest_of_lines_is_a_quantile_over_the_ensemble() -> None:
     each = [float(np.max(np.abs(np.fft.fft(errors)[orders])) * 2.0 / len(errors)) for errors in found.errors]
     assert found.largest_at(orders, 0.95) == pytest.approx(np.quantile(each, 0.95))
     assert found.highest_order == (found.errors.shape[1] - 1) // 2
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+def test_the_error_of_a_signal_is_that_of_its_readings_on_average_over_noise(noise: float) -> None:
+    signal, level = np.linspace(-0.1, 0.1, 41) + 0.0013, 0.007
+    draws = noise * STEP * np.random.default_rng(2).standard_normal((4000, 1))
+    read = level + STEP * np.round((signal + draws - level) / STEP)
+    found = error_of_steps(signal, STEP, noise * STEP, level)
+    assert found is not None
+    assert found == pytest.approx(np.mean(read, axis=0) - signal, abs=0.02 * STEP)
+    assert error_of_steps(signal, STEP, STEP, level) is None
+
+
+def test_steps_that_make_nothing_have_no_scatter_of_it() -> None:
+    assert RepeatedSteps(np.ones(8), np.zeros((3, 8)), 1).scatter_of_power(np.arange(1, 4)) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("per_period", "rows", "together"),
+    [(500.5, 0.1, 2), (500.0, 0.1, 1), (10.1, 0.01, 10), (10.0 + 1.0 / 11.0, 0.01, None), (10.1, 1.1, 1)],
+)
+def test_samples_come_to_the_same_places_after_some_periods(
+    per_period: float, rows: float, together: int | None
+) -> None:
+    assert periods_to_same_places(per_period, 10, rows) == together
+
+
+@pytest.mark.parametrize(("amplitude", "is_few"), [(2.3, True), (20.0, False)])
+def test_a_waveform_of_few_steps_has_the_errors_of_all_that_read_alike(
+    amplitude: float, is_few: bool
+) -> None:
+    theta = 2.0 * np.pi * np.arange(40 * 200) / 200.0
+    samples = STEP * np.round(amplitude * np.cos(theta + 0.3) + 0.2)
+    found = steps_of_periods(samples, np.arange(0, 8001, 200), 1, STEP)
+    assert found is not None
+    assert found.has_noise == is_few

@@ -23,7 +23,8 @@ from benchtool.analysis import (
     track_angle,
     track_tone,
 )
-from benchtool.analysis.spectra.noise_of_lines import noise_at_lines
+from benchtool.analysis.spectra.converter_lines import aliased_quantisation
+from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise, noise_at_lines
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.block import Block, Channel
 
@@ -384,3 +385,42 @@ def test_steps_that_fold_beside_the_fundamental_are_in_its_frequency() -> None:
         assert found.uncertainty is not None
         relative.append((found.value - 17.3) / found.uncertainty.standard)
     assert 0.4 < np.sqrt(np.mean(np.square(relative))) < 1.3
+
+
+@pytest.mark.parametrize("phase_rad", [0.3, 1.0, 2.2])
+def test_sidebands_act_on_amplitude_or_phase_whatever_the_phase_of_the_line(phase_rad: float) -> None:
+    theta_e = 2 * np.pi * 50.0 * np.arange(SAMPLES, dtype=np.float64) / RATE_HZ
+    bins = np.zeros(SAMPLES // 2 + 1, dtype=np.complex128)
+    bins[1:25] = np.exp(2j * np.pi * np.random.default_rng(4).random(24))
+    slow = np.fft.irfft(bins, SAMPLES)
+    slow *= SIGMA / np.std(slow)
+    quadratures = []
+    for amplitude, moved_rad, acts, rests in ((slow, 0.0, 0, 1), (0.0, slow, 1, 0)):
+        signal = (1.0 + amplitude) * np.cos(theta_e + phase_rad + moved_rad)
+        spectrum = coherent_spectrum(signal, RATE_HZ, track_angle(theta_e, 1))
+        noise = line_noise(spectrum, np.array([spectrum.periods]))
+        found = float(noise.in_phase[0]), float(noise.quadrature[0])
+        # of 24 sinusoids each is in two bins, of half its amplitude each
+        assert found[acts] == pytest.approx(SIGMA / math.sqrt(24.0), rel=0.35)
+        assert found[rests] < 0.1 * found[acts]
+        quadratures.append(hann_quadrature(spectrum).standard)
+    assert quadratures[0] < 0.1 * quadratures[1]
+
+
+def test_three_periods_have_no_pairs_under_a_hann_window() -> None:
+    assert math.isnan(hann_quadrature(spectrum_of({1: 1.0}, 1, 700)).standard)
+
+
+def test_steps_fold_the_nearer_to_a_line_the_less_they_move_it() -> None:
+    """A period of nearly 578 samples: orders 577 and 579 fold to 0.12 and 0.48 bins beside."""
+
+    def aliased(per_period: float) -> Array:
+        theta_e = 2 * np.pi * np.arange(round(24.3 * per_period), dtype=np.float64) / per_period
+        spectrum = coherent_spectrum(np.cos(theta_e + 0.3), RATE_HZ, track_angle(theta_e, 1))
+        return aliased_quantisation(spectrum, 2.04 / 256, 2)
+
+    near, far = aliased(578.005), aliased(578.02)
+    assert np.all(near > 0.0)
+    assert np.all(near < 0.7 * far)
+    assert aliased(577.995) == pytest.approx(near, rel=0.2)
+    assert np.all(aliased(578.0) == 0.0)
