@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -79,33 +80,80 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
         gaps=0,
     )
     turns = (track.at(np.arange(*edges, dtype=np.float64)) - begin_rad) / (2.0 * np.pi)
-    return tuple(_measurements(psi, fits(psi, track, revolutions), turns, begin_rad, revolutions, basis))
+    flux = _Revolutions(psi, revolutions, turns, begin_rad, fits(psi, track, revolutions), basis)
+    return (*_of_radius(flux), *_of_shape(flux))
 
 
-def _measurements(
-    psi: NDArray[np.complex128],
-    found: NDArray[np.complex128],
-    turns: NDArray[np.float64],
-    begin_rad: float,
-    revolutions: list[slice],
-    basis: Basis,
-) -> Iterator[Measurement]:
-    path = psi[revolutions[0].start : revolutions[-1].stop]
-    whole = np.abs(path)
-    begins = np.array([part.start for part in revolutions]) - revolutions[0].start
-    counts = np.diff(begins, append=len(whole))
-    means = np.add.reduceat(whole, begins) / counts
-    mean, rms, span = float(np.mean(whole)), float(np.std(whole)), float(np.ptp(whole))
-    squares = np.add.reduceat((whole - mean) ** 2, begins) / counts
-    step = max(resolution(psi.real), resolution(psi.imag))
-    step = step if step > _FINE * mean else 0.0
-    steps = _Steps.of(path, np.append(begins, len(whole)), step, turns)
-    reason = change_of_regime(means, "the radius of the flux")
-    signs = np.where(np.arange(len(whole)) % 2, -1.0, 1.0)
-    if not reason and is_memory_untold(means, np.add.reduceat(signs * (whole - mean), begins) / counts):
-        reason = f"the radius of the flux wanders over the {len(means)} revolutions: record longer"
+@dataclass(frozen=True)
+class _Revolutions:
+    """Whole revolutions of a flux `psi`, shape (n,), each a slice of it; `turns` is where the samples in them
+    are, in revolutions from the first, whose electrical angle begins at `begin_rad`, and `orders`, shape
+    (revolutions, orders), are the fits of `ORDERS` to each."""
 
-    def measured(
+    psi: NDArray[np.complex128]
+    parts: Sequence[slice]
+    turns: NDArray[np.float64]
+    begin_rad: float
+    orders: NDArray[np.complex128]
+    basis: Basis
+
+    @cached_property
+    def path(self) -> NDArray[np.complex128]:
+        """The flux of all of them, shape (m,)."""
+        return self.psi[self.parts[0].start : self.parts[-1].stop]
+
+    @cached_property
+    def radius(self) -> NDArray[np.float64]:
+        """The distance of the path from zero, shape (m,)."""
+        return np.abs(self.path)
+
+    @cached_property
+    def begins(self) -> NDArray[np.int64]:
+        """The rows of the path in which revolutions begin, shape (revolutions,)."""
+        return np.array([part.start for part in self.parts]) - self.parts[0].start
+
+    @cached_property
+    def means(self) -> NDArray[np.float64]:
+        """Means of the radius over each, shape (revolutions,)."""
+        return self.means_of(self.radius)
+
+    def means_of(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return means of values along the path, shape (m,), over each, shape (revolutions,)."""
+        return np.asarray(np.add.reduceat(values, self.begins) / self.counts)
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Samples of each, shape (revolutions,)."""
+        return np.diff(np.append(self.begins, len(self.path)))
+
+    @property
+    def after(self) -> float:
+        """The part of a record behind the last, over all of them."""
+        return float(len(self.psi) - self.parts[-1].stop) / len(self.path)
+
+    @cached_property
+    def step(self) -> float:
+        """Step of a converter of both coordinates; 0 without one."""
+        step = max(resolution(self.psi.real), resolution(self.psi.imag))
+        return step if step > _FINE * float(np.mean(self.radius)) else 0.0
+
+    @cached_property
+    def steps(self) -> _Steps:
+        """What that does alike in every revolution."""
+        return _Steps.of(self.path, np.append(self.begins, len(self.path)), self.step, self.turns)
+
+    @cached_property
+    def reason(self) -> str:
+        """Why there are no numbers; empty if there are."""
+        about = self.radius - float(np.mean(self.radius))
+        signs = np.where(np.arange(len(about)) % 2, -1.0, 1.0)
+        reason = change_of_regime(self.means, "the radius of the flux")
+        if not reason and is_memory_untold(self.means, self.means_of(signs * about)):
+            return f"the radius of the flux wanders over the {len(self.means)} revolutions: record longer"
+        return reason
+
+    def number(
+        self,
         name: str,
         text: str,
         value: float,
@@ -113,66 +161,73 @@ def _measurements(
         *further: Contribution,
         content: Content = _LEVEL,
     ) -> Measurement:
-        if reason:
-            return Measurement.undefined(name, "Wb", text, reason, basis)
-        source = f"scatter over {len(means)} revolutions, with their correlation"
+        """Return a number with its error over the revolutions and further contributions."""
+        if self.reason:
+            return Measurement.undefined(name, "Wb", text, self.reason, self.basis)
+        source = f"scatter over {len(self.means)} revolutions, with their correlation"
         budget = [error.line(source)]
         budget += [each for each in further if each.standard != 0.0]
         uncertain = combined(budget, source)
-        why = _TOO_SLOW if uncertain is None else ""
         return Measurement(
             name,
             value,
             "Wb",
             text,
-            basis,
+            self.basis,
             uncertain,
-            uncertainty_reason=why,
+            uncertainty_reason=_TOO_SLOW if uncertain is None else "",
             sensitivities=Sensitivities(content=content),
         )
 
-    resolved = Contribution("resolution", "B", steps.of_radius)
+
+def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
+    """Yield mean, peak-to-peak and rms of the radius."""
+    radius, begins, step = flux.radius, flux.begins, flux.step
+    mean, rms, span = float(np.mean(radius)), float(np.std(radius)), float(np.ptp(radius))
+    resolved = Contribution("resolution", "B", flux.steps.of_radius)
     # a revolution ends within a sample
-    ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(whole)))
+    ends = Contribution("samples at both ends", "B", span / (math.sqrt(24.0) * len(radius)))
     text = "mean of sqrt(psi_alpha^2 + psi_beta^2), peak"
-    after = (len(psi) - revolutions[-1].stop) / len(whole)
-    of_mean = _of_mean(means, after, whole)
-    yield measured("flux_radius_mean", text, mean, of_mean, resolved, ends)
+    of_mean = _of_mean(flux.means, flux.after, radius)
+    yield flux.number("flux_radius_mean", text, mean, of_mean, resolved, ends)
     scatter = math.nan
     if len(begins) >= FEWEST_EXTREMES:
-        scatter = extremes_of_ripple(whole, whole, begins, Tails.of(whole, begins, counts))
+        scatter = extremes_of_ripple(radius, radius, begins, Tails.of(radius, begins, flux.counts))
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
-    of_both = Contribution("resolution", "B", steps.of_span(step))
+    of_both = Contribution("resolution", "B", flux.steps.of_span(step))
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
-    between = between_samples(whole, turns)
+    between = between_samples(radius, flux.turns)
     missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
-    yield measured("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
-    text = "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
+    yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
+    name, text = "flux_radius_rms", "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     # steps add a twelfth of their square to the mean square
     added = Contribution("power that the steps add", "B", scale * step**2 / 12.0)
-    of_rms, untold = _of_slow_rms(means, error_of_root(squares, rms), rms)
+    of_rms, untold = _of_slow_rms(flux.means, error_of_root(flux.means_of((radius - mean) ** 2), rms), rms)
     # about the mean of the record, and not about that of all records, it is less by the former's variance
     own_mean = Contribution("deviation of the mean", "B", scale * of_mean.standard**2)
-    if untold and not reason:
-        yield Measurement.undefined("flux_radius_rms", "Wb", text, untold, basis)
+    if untold and not flux.reason:
+        yield Measurement.undefined(name, "Wb", text, untold, flux.basis)
     else:
-        yield measured("flux_radius_rms", text, rms, of_rms, resolved, added, own_mean, content=Power())
+        yield flux.number(name, text, rms, of_rms, resolved, added, own_mean, content=Power())
 
+
+def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
+    """Yield the distance of the centre from zero, and order 6 of the radius."""
     # a radius that grows by d within a revolution reads d / 2 pi as a centre, and a sixth of that as order 7
-    growth, of_growth = _growth(found[:, 1])
-    found, rows = found.copy(), len(whole) / len(revolutions)
+    growth, of_growth = _growth(flux.orders[:, 1])
+    found, rows = flux.orders.copy(), len(flux.path) / len(flux.parts)
     for column, order in enumerate(ORDERS):
         if order != 1:
-            turned = np.exp(1j * (1 - order) * begin_rad)
+            turned = np.exp(1j * (1 - order) * flux.begin_rad)
             found[:, column] -= growth * turned / (rows * (np.exp(2j * np.pi * (1 - order) / rows) - 1.0))
     centre = found[:, 0]
     of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    length, bias, along = _length(centre, after)
+    length, bias, along = _length(centre, flux.after)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_steps = Contribution("resolution", "B", steps.of_centre(complex(np.mean(centre))))
-    yield measured("flux_centre_offset", text, length, along, by_scatter, of_ramp, of_steps)
+    of_steps = Contribution("resolution", "B", flux.steps.of_centre(complex(np.mean(centre))))
+    yield flux.number("flux_centre_offset", text, length, along, by_scatter, of_ramp, of_steps)
 
     # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
     sixth = (found[:, 1] * np.conj(found[:, 2]) + np.conj(found[:, 1]) * found[:, 3]) / np.abs(found[:, 1])
@@ -183,10 +238,10 @@ def _measurements(
         "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
         "evenly"
     )
-    length, bias, along = _length(sixth, after)
+    length, bias, along = _length(sixth, flux.after)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_two = Contribution("resolution", "B", steps.of_sixth)
-    yield measured("flux_radius_order_6", text, length, along, by_scatter, of_two)
+    of_two = Contribution("resolution", "B", flux.steps.of_sixth)
+    yield flux.number("flux_radius_order_6", text, length, along, by_scatter, of_two)
 
 
 @dataclass(frozen=True)

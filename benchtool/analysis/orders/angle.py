@@ -39,10 +39,6 @@ class AngleCoverage:
     largest_arc_rad: float
     resolution_rad: float
 
-    @property
-    def samples_per_revolution(self) -> float:
-        return len(self.angle_rad) / self.revolutions
-
 
 def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> AngleCoverage:
     """Return the coverage of a mechanical angle, rad, shape (n,): wrapped or not, of either direction, at any
