@@ -124,7 +124,7 @@ class _Revolutions:
     @property
     def counts(self) -> NDArray[np.int64]:
         """Samples of each, shape (revolutions,)."""
-        return np.diff(np.append(self.begins, len(self.path)))
+        return np.array([part.stop - part.start for part in self.parts])
 
     @property
     def after(self) -> float:
