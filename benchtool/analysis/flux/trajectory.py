@@ -110,7 +110,7 @@ class _Revolutions:
     @cached_property
     def begins(self) -> NDArray[np.int64]:
         """The rows of the path in which revolutions begin, shape (revolutions,)."""
-        return np.array([part.start for part in self.parts]) - self.parts[0].start
+        return np.array([part.start - self.parts[0].start for part in self.parts])
 
     @cached_property
     def means(self) -> NDArray[np.float64]:
