@@ -63,8 +63,7 @@ class ArrivedSamples:
     uncertainty of the mean. Of shape (n,) are `of_course`, the standard deviation of what noise has left in
     the course, `of_rest`, how much of the noise that leaves about it, and `of_times`, the standard deviation
     of each value because its time is not known. `rows`, shape (rows,), are those in which they may as well
-    begin, moved by noise or not, and `shares` how likely each is. `followed`, shape (draws, m), are all
-    samples as noise may make them, and `begins`, shape (draws,), where it makes those arrive.
+    begin, moved by noise or not, and `shares` how likely each is.
     """
 
     samples: Floats
@@ -74,8 +73,6 @@ class ArrivedSamples:
     of_rest: Floats
     of_times: Floats
     rows: NDArray[np.int64]
-    followed: Floats | None
-    begins: Floats
     is_moved_by_noise: bool
     shares: Floats
     at_rest: int
@@ -114,12 +111,6 @@ class ArrivedSamples:
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * _slopes(curve.values[:end], curve.time_scatter)[:rest]
-        followed, begins = None, np.array(begin.drawn)
-        if curve.noise is not None and len(begins) == len(curve.noise):
-            # what is at rest there shows its noise better than what is at rest elsewhere
-            share = min(1.0, noise.rms / float(np.std(curve.noise[:, end - 1])))
-            followed = curve.values[:end] + share * curve.noise[:, :end]
-            begins = begin.place + share * (begins - begin.place)
         places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
         rows, counts = np.unique(places, return_counts=True)
         return cls(
@@ -130,8 +121,6 @@ class ArrivedSamples:
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
-            followed=followed,
-            begins=begins,
             is_moved_by_noise=len(begin.drawn) > 0 and curve.turned is None,
             shares=counts / len(places),
             at_rest=end - rest,
@@ -163,7 +152,6 @@ class ArrivedSamples:
             Contribution(name, "A", self._scatter_of_greatest(side)),
             self._of_mean(),
             Contribution(_TIMES, "A", self._of_greatest_in_time(side)),
-            Contribution("noise that the instant of arrival follows", "A", self._of_followed(side)),
         ]
         # noise that moves the instant moves the samples there as much, to the level that it is defined by
         rows = np.clip(self.rows, self.first - 1, self.first + 1) if self.is_moved_by_noise else self.rows
@@ -228,19 +216,6 @@ class ArrivedSamples:
         is_level = self.at_rest or self._is_heavy
         on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
         return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
-
-    def _of_followed(self, side: Side) -> float:
-        """Return by how much the greatest is off, on average, that from a fixed instant on: where the curve
-        follows noise, that is at the level of arrival in the first row, whatever it is then.
-        """
-        if self.followed is None:
-            return 0.0
-        off = [
-            float(np.max(each[max(0, math.ceil(begin)) :]) - np.max(each[self.first :]))
-            for each, begin in zip(side(self.followed), self.begins.tolist(), strict=True)
-            if begin <= len(each) - 1
-        ]
-        return abs(float(np.mean(off))) if off else 0.0
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
         """Return the scatter of the largest of deviations, shape (n,), on one level."""

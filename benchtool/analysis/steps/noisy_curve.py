@@ -69,8 +69,8 @@ class NoisyCurve:
     rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
     is what the same noise makes of the mean of the samples before the first. `turned`, shape (draws, n), is
     what is added to errors that are those of a converter's steps alone where a curve turns back within a
-    level of it; None otherwise. `noise`, shape (draws, n), is what the errors are made of before it is
-    smoothed, if any is, and `beside`, shape (n,), how much of it the samples have about the curve.
+    level of it; None otherwise. `beside`, shape (n,), is how much of the noise the samples have about the
+    curve, if any is smoothed.
     """
 
     values: Floats
@@ -79,7 +79,6 @@ class NoisyCurve:
     longer: Floats | None = None
     before: Floats | None = None
     turned: Floats | None = None
-    noise: Floats | None = None
     beside: Floats | None = None
 
     @classmethod
@@ -121,13 +120,11 @@ class NoisyCurve:
         louder = residual_levels((samples - curve) / levels, noise.rms)
         errors *= louder
         errors += of_steps + random.standard_normal((draws, 1)) * bias
-        return cls(curve, errors, scatter, blunt, of_before, noise=louder * drawn, beside=beside)
+        return cls(curve, errors, scatter, blunt, of_before, beside=beside)
 
     def against(self, sign: float, reference: Floats | float = 0.0) -> NoisyCurve:
         """Return the curve, and what noise makes of it, less a reference, shape (n,), times a sign."""
-        noise = None if self.noise is None else sign * self.noise
-        values, errors = sign * (self.values - reference), sign * self.errors
-        return replace(self, values=values, errors=errors, noise=noise)
+        return replace(self, values=sign * (self.values - reference), errors=sign * self.errors)
 
     def beyond(self, level: float) -> NoisyCurve:
         """Return the curve less the `level` that the samples before it had, with what noise makes of the
