@@ -105,3 +105,14 @@ def test_the_rows_in_which_a_ringing_sets_in_are_no_scatter() -> None:
         for seed in range(10)
     ]
     assert np.count_nonzero(found) <= 1
+
+
+@pytest.mark.parametrize("share", [0.05, 0.1])
+def test_rows_that_repeat_the_one_before_are_a_row_late(share: float) -> None:
+    """Each of them by one row: the mean square of the times is the share of such rows on the way."""
+    random, way = np.random.default_rng(3), 1.0 - np.exp(-np.arange(2000.0) / 60.0)
+    stale = np.flatnonzero(random.random(len(way)) < share)[1:]
+    late = way.copy()
+    late[stale] = way[stale - 1]
+    assert scatter_of_times(late, SILENT, 0.0) == pytest.approx(share**0.5, rel=0.35)
+    assert scatter_of_times(way, SILENT, 0.0) == pytest.approx(0.0, abs=1e-6)
