@@ -150,10 +150,10 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     response = found.response[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
-    rest = gain_at_rest(frequency_Hz, gain, error, found.shared[trusted])
+    rest = gain_at_rest(frequency_Hz, response, error, found.shared[trusted])
     text = (
-        f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, 1 / gain^2 as a "
-        f"polynomial of frequency^2; the reference of the others"
+        f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, by ratios of polynomials "
+        f"of j frequency; the reference of the others"
     )
     of_gain = max(rest.relative_error, found.at_rest)  # which is in the errors of single frequencies too
     gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL}, and of the fit")
@@ -315,10 +315,11 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("response_gain",),
             UnitOf("output", over="input"),
-            "gain continued to zero frequency: `1 / gain^2` as a polynomial of `f^2`, up to the quartic, its "
-            "logarithm fitted to the lowest frequencies that it describes, with a term more than these need. "
-            "Frequencies count from the lowest where the input has more than 1 % of its greatest power and "
-            "the error is at most 1 %, or three times the median of the frequencies used",
+            "gain continued to zero frequency: ratios of polynomials of `j f` with real coefficients, of up "
+            "to three zeros and four poles, fitted to gain and phase at the lowest frequencies that they "
+            "describe; their mean, by how well they do for the unknowns that they have. Frequencies count "
+            "from the lowest where the input has more than 1 % of its greatest power and the error is at "
+            "most 1 %, or three times the median of the frequencies used",
         ),
         Quantity(
             ("bandwidth_3dB",),

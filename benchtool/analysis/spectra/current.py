@@ -130,7 +130,7 @@ def current_spectrum(
             group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
         *_refused(
-            _noise(noise_floor(spectrum), spectrum.fundamental_Hz, unit, channel, basis), sound.of_amplitudes
+            _noise(noise_floor(clean), spectrum.fundamental_Hz, unit, channel, lines), sound.of_amplitudes
         ),
     )
     of_lines = replace(lines, harmonics=len(errors.phase))

@@ -13,6 +13,7 @@ from benchtool.analysis import analyze_response
 from benchtool.analysis.responses.gain_at_rest import gain_at_rest
 from benchtool.block import Block
 
+Complex = NDArray[np.complex128]
 Floats = NDArray[np.float64]
 
 
@@ -20,17 +21,22 @@ def _rms(values: list[float]) -> float:
     return math.sqrt(float(np.mean(np.square(values))))
 
 
+def _with_errors(truth: Complex | Floats, error: Floats, random: np.random.Generator) -> Complex:
+    """Return responses whose gain and phase have relative errors, shape (n,)."""
+    both = random.standard_normal((2, len(truth)))
+    return np.asarray(truth * (1.0 + error * (both[0] + 1j * both[1])))
+
+
 def test_a_gain_that_is_level_by_chance_is_not_that_at_rest() -> None:
     """On the way to a resonance gains of large errors look constant: more terms say that they are not."""
     frequency_Hz = np.arange(23.5, 140.0)
     s = 1j * frequency_Hz / 55.0
-    truth = np.abs(1.0 / (1.0 + 0.9 * s + s**2))
+    truth = 1.0 / (1.0 + 0.9 * s + s**2)
     error = 2e-4 * (frequency_Hz / 50.0) ** 2 + 0.02 * np.exp((23.5 - frequency_Hz) / 6.0)
     random = np.random.default_rng(3)
     missed = []
     for _ in range(80):
-        gain = truth * np.exp(error * random.standard_normal(len(error)))
-        found = gain_at_rest(frequency_Hz, gain, error)
+        found = gain_at_rest(frequency_Hz, _with_errors(truth, error, random), error)
         missed.append((found.gain - 1.0) / found.relative_error)
     assert 0.6 < _rms(missed) < 1.2
     assert float(np.mean(np.abs(missed) < 2.0)) > 0.9
@@ -46,24 +52,37 @@ def test_a_loop_with_an_integral_part_rises_just_above_rest() -> None:
         s = 1j * frequency_Hz / 30.0
         opened = (s + zero_Hz / 30.0) / s**2 * np.exp(-0.15 * s)
         error = np.full(len(frequency_Hz), 0.02)
-        gain = np.abs(opened / (1.0 + opened)) * np.exp(error * random.standard_normal(len(error)))
-        found = gain_at_rest(frequency_Hz, gain, error)
+        found = gain_at_rest(frequency_Hz, _with_errors(opened / (1.0 + opened), error, random), error)
         missed.append((found.gain - 1.0) / found.relative_error)
     assert 0.4 < _rms(missed) < 1.4
     assert float(np.mean(np.abs(missed) < 2.0)) > 0.85
 
 
+def test_the_phase_tells_of_a_zero_below_the_lowest_frequency() -> None:
+    """There the gain of a loop with an integral part is at the top of its hump, and level."""
+    frequency_Hz, zero_Hz, crossover_Hz = np.arange(8.0, 120.0, 2.0), 4.0, 30.0
+    s = 1j * frequency_Hz / crossover_Hz
+    opened = (s + zero_Hz / crossover_Hz) / s**2 / (1.0 + 0.3 * s)
+    truth, error = opened / (1.0 + opened), np.full(len(frequency_Hz), 1e-3)
+    assert abs(truth[0]) > 1.08
+    random = np.random.default_rng(6)
+    found = [gain_at_rest(frequency_Hz, _with_errors(truth, error, random), error) for _ in range(40)]
+    assert float(np.median([each.relative_error for each in found])) < 0.01
+    assert 0.6 < _rms([(each.gain - 1.0) / each.relative_error for each in found]) < 1.4
+
+
 @pytest.mark.parametrize("alike", [1, 4])
 def test_neighbours_with_one_error_count_once(alike: int) -> None:
     frequency_Hz = np.arange(1.0, 161.0)
-    truth = np.abs(1.0 / (1.0 + 1j * frequency_Hz / 60.0))
+    truth = 1.0 / (1.0 + 1j * frequency_Hz / 60.0)
     error = np.full(len(truth), 0.01)
     random = np.random.default_rng(4)
     missed = []
     for _ in range(50):
-        own = np.repeat(random.standard_normal(len(truth) // alike), alike)
-        gain, shared = truth * np.exp(error * own), np.full(len(truth), float(alike))
-        found = gain_at_rest(frequency_Hz, gain, error * np.sqrt(shared), shared)
+        alone = np.ones(len(truth) // alike, dtype=np.complex128)
+        own = np.repeat(_with_errors(alone, error[::alike], random), alike)
+        shared = np.full(len(truth), float(alike))
+        found = gain_at_rest(frequency_Hz, truth * own, error * np.sqrt(shared), shared)
         missed.append((found.gain - 1.0) / found.relative_error)
     assert 0.6 < _rms(missed) < 1.3
 
