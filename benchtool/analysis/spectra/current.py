@@ -394,7 +394,8 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_noise_floor",),
             "A",
-            "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326",
+            "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, "
+            "without what is taken out of the harmonics",
             "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two "
             "standard uncertainties above",
         ),

@@ -40,7 +40,8 @@ class NoiseFloor:
     medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
     noise need not be white: where the density is steep, it is the mean of the squares, without the lines that
     stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
-    interharmonic leaks through the rectangular window into all bins around it, and with that counts as noise.
+    interharmonic that was not taken out leaks through the rectangular window into all bins around it, and
+    with that counts as noise.
     `relative_error` is the relative standard uncertainty of the floor, of `dof` degrees of freedom.
     """
 
