@@ -79,7 +79,7 @@ def bursts(random: np.random.Generator, count: int) -> Floats:
     power = np.full(count, 0.1)
     for begin in random.integers(-size, count, random.poisson(10.0 * (1.0 + size / count))):
         power[max(0, begin) : begin + size] += 4.5
-    return np.sqrt(power) * random.standard_normal(count)
+    return np.asarray(np.sqrt(power) * random.standard_normal(count))
 
 
 def walk(random: np.random.Generator, count: int) -> Floats:

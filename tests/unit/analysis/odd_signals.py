@@ -47,7 +47,7 @@ _KINDS: tuple[Callable[[np.random.Generator, Floats, Floats], Floats], ...] = (
     lambda random, place, sine: sine * np.exp(-place * random.choice([1, 5, 50])),
     lambda random, place, sine: np.clip(sine, -0.3, 0.5),
     lambda random, place, sine: sine[np.arange(len(sine)) // 7 * 7],
-    lambda random, place, sine: np.arange(len(sine)) % float(random.integers(1, 9)),
+    lambda random, place, sine: np.mod(np.arange(len(sine), dtype=np.float64), random.integers(1, 9)),
     lambda random, place, sine: place,
     lambda random, place, sine: np.cos(2.0 * math.pi * random.choice([3, 40]) * place**2),
     lambda random, place, sine: sine + 10.0 * (random.random(len(sine)) < 1e-3),
@@ -110,4 +110,6 @@ def _odd_angle(random: np.random.Generator, rows: int) -> Floats:
         theta_m = np.floor(theta_m / step_rad) * step_rad
     if random.random() < 0.1:
         theta_m = odd_signal(random, rows)
-    return np.mod(theta_m, 2.0 * math.pi) if random.random() < 0.5 else theta_m
+    if random.random() < 0.5:
+        theta_m = np.mod(theta_m, 2.0 * math.pi)
+    return np.asarray(theta_m, dtype=np.float64)
