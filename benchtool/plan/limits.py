@@ -164,13 +164,16 @@ class Limit(Section):
             return f"at most {self.max:g} is allowed: {value - self.max:.3g} too much"
         return ""
 
-    def to_json(self, measured: Measurement | None) -> dict[str, Any]:
+    def to_json(self, measured: Measurement | None, of_all: float | None = None) -> dict[str, Any]:
         """Return the bounds, the rule in words, the verdict on a measurement, and the probability of
-        conformance where that has an uncertainty, else `conformance_reason`, why there is none."""
+        conformance where that has an uncertainty, else `conformance_reason`, why there is none.
+
+        That of all repetitions may be given, of which the measurement is the worst.
+        """
         value, uncertainty = (None, None) if measured is None else (measured.value, measured.uncertainty)
         document = self.model_dump(exclude_none=True)
         document |= {"rule": self.rule, "verdict": str(self.judge(value, uncertainty))}
-        conformance = self.conformance(value, uncertainty)
+        conformance = self.conformance(value, uncertainty) if of_all is None else of_all
         if conformance is not None:
             return document | {"conformance": conformance}
         return document | {"conformance_reason": without_uncertainty(measured)}
@@ -203,8 +206,11 @@ class Missed:
         return f"{self.name} {self.reason}"
 
 
-def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | None:
-    """Return a limit that was missed, with its measurement; None if it was met."""
+def missed(
+    name: str, limit: Limit, measured: Measurement | None, of_all: float | None = None
+) -> Missed | None:
+    """Return a limit that was missed, with its measurement; None if it was met. The probability that all
+    repetitions conform may be given, of which it is the worst."""
     if measured is None:
         return Missed(name, Verdict.FAIL, f"was not measured, {limit.bounds} is asked for")
     verdict = limit.judge(measured.value, measured.uncertainty)
@@ -217,7 +223,7 @@ def missed(name: str, limit: Limit, measured: Measurement | None) -> Missed | No
     if verdict is Verdict.MARGINAL:
         return Missed(name, verdict, f"{value}, within {limit.margin:g} of its limit {limit.bounds}")
     if limit.margin == "U":
-        return Missed(name, verdict, f"{value}, {_guarded(limit, measured)}")
+        return Missed(name, verdict, f"{value}, {_guarded(limit, measured, of_all)}")
     return Missed(name, verdict, f"{value}, {limit.shortfall(measured.value)}")
 
 
@@ -231,7 +237,7 @@ def without_uncertainty(measured: Measurement | None) -> str:
     return f"its uncertainty is not known{why}"
 
 
-def _guarded(limit: Limit, measured: Measurement) -> str:
+def _guarded(limit: Limit, measured: Measurement, of_all: float | None) -> str:
     """Return why a finite value does not pass a limit with a guard band."""
     uncertainty = measured.uncertainty
     if uncertainty is None or not math.isfinite(uncertainty.expanded):
@@ -239,7 +245,8 @@ def _guarded(limit: Limit, measured: Measurement) -> str:
     beyond = limit.shortfall(measured.value)
     place = beyond or f"{limit.headroom(measured.value):.3g} inside its limit {limit.bounds}"
     U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
-    return f"{place}, {U}, probability of conformance {limit.conformance(measured.value, uncertainty):.3f}"
+    conformance = limit.conformance(measured.value, uncertainty) if of_all is None else of_all
+    return f"{place}, {U}, probability of conformance {conformance:.3f}"
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from benchtool.results.agreement import Disagreement, disagreements, transducer_
 from benchtool.telemetry import certificate_units
 
 _ROUNDING = 1e-13  # relative: of a mean of equal numbers
+_ALIKE = tuple(NormalDist().inv_cdf((i + 0.5) / 64) for i in range(64))  # errors in common, each as likely
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class Repeated:
     Of equal numbers, which no scatter tells of, it is that of a `single` one.
     `limit` is the one that holds for them together and `judged` the value it applies to: by `judge` of the
     plan the mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
+    `of_all` is the probability that every repetition conforms, where the worst is judged and all have an
+    uncertainty.
     `disagreement` is set where a transducer contradicts the judged value.
     """
 
@@ -43,6 +47,7 @@ class Repeated:
     unshown: tuple[Contribution, ...] = ()
     single: Uncertainty | None = None
     judge: Literal["each", "mean", "worst"] = "each"
+    of_all: float | None = None
     disagreement: Disagreement | None = None
 
     @property
@@ -112,7 +117,7 @@ class Repeated:
 
     @property
     def _missed(self) -> Missed | None:
-        return None if self.limit is None else missed(self.name, self.limit, self.judged)
+        return None if self.limit is None else missed(self.name, self.limit, self.judged, self.of_all)
 
     @property
     def _is_waived(self) -> bool:
@@ -120,9 +125,12 @@ class Repeated:
 
     @property
     def conformance(self) -> float | None:
-        """Probability that the limit is met; None without one, or where the uncertainty is not known."""
+        """Probability that the limit is met, by all repetitions where the worst is judged; None without one,
+        or where the uncertainty is not known."""
         if self.limit is None or self.judged is None:
             return None
+        if self.judge == "worst":
+            return self.of_all
         return self.limit.conformance(self.judged.value, self.judged.uncertainty)
 
     def to_json(self) -> dict[str, Any]:
@@ -138,7 +146,9 @@ class Repeated:
         elif self.uncertainty_reason:
             document["uncertainty_reason"] = self.uncertainty_reason
         if self.limit is not None:
-            document["limit"] = self.limit.to_json(self.judged)
+            document["limit"] = self.limit.to_json(self.judged, self.of_all)
+            if self.judge == "worst" and self.of_all is None and document["limit"].pop("conformance", None):
+                document["limit"]["conformance_reason"] = "the uncertainty of a repetition is not known"
         if self.disagreement is not None:
             document["disagreement"] = self.disagreement.to_json()
         return document
@@ -193,7 +203,9 @@ def _together(
         limit = limits.get(name)
         together = replace(_mean_of(name, units.get(name, ""), found), limit=limit, judge=judge)
         if limit is not None and found:
-            together = replace(together, judged=_judged(together, found, len(group), judge == "mean"))
+            judged = _judged(together, found, len(group), judge == "mean")
+            of_all = _all_conform(limit, found) if judge == "worst" and together.n == len(group) else None
+            together = replace(together, judged=judged, of_all=of_all)
         done[name] = together
     for name, together in done.items():
         limit, true = together.limit, done.get(transducer_name(name))
@@ -296,6 +308,26 @@ def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mea
         return -order.index(limit.judge(each.value, each.uncertainty)), limit.headroom(each.value)
 
     return replace(min(found, key=merit), definition=definition)
+
+
+def _all_conform(limit: Limit, found: Sequence[Measurement]) -> float | None:
+    """Return the probability that the true values of all repetitions meet a limit (JCGM 106:2012, 7); None
+    where one has no uncertainty.
+
+    Errors of instruments move all repetitions alike, and it is the mean over them. Others are taken as
+    independent, and it is the least that it may be where they are not (Slepian, Bell Syst. Tech. J. 41 (1962)
+    463).
+    """
+    own: list[tuple[float, float, Uncertainty]] = []
+    for each in found:
+        if each.uncertainty is None:
+            return None
+        shared = [line for line in each.uncertainty.budget if line.instrument is not None]
+        size = math.hypot(*(line.standard for line in shared))
+        moved = math.copysign(size, sum(line.sign * line.standard for line in shared))
+        own.append((each.value, moved, each.uncertainty.without(shared)))
+    chances = [[limit.conformance(value + by * moved, alone) for value, moved, alone in own] for by in _ALIKE]
+    return float(np.mean([math.prod(each or 0.0 for each in of_one) for of_one in chances]))
 
 
 def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurement | None:

@@ -17,7 +17,7 @@ from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict, Waived
 from benchtool.plan.model import Plan, Sweep
 from benchtool.results.assessment import RunResult
-from benchtool.results.repetitions import Repeated, limits_together, over_repetitions
+from benchtool.results.repetitions import Repeated, _all_conform, limits_together, over_repetitions
 
 
 def _plan(repetitions: int) -> Plan:
@@ -138,6 +138,38 @@ def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
     assert found.verdict is Verdict.FAIL
     assert str(found.missed) == "torque_mean is 1.1 Nm, at most 1.05 is allowed: 0.05 too much"
     assert _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(min=0.8)).verdict is Verdict.PASS
+
+
+@pytest.mark.parametrize("shared", [0.0, 0.03, 0.05])
+def test_the_worst_conforms_with_the_probability_that_all_do(shared: float) -> None:
+    """Of values with an error in common and one of their own: by drawing both."""
+    values, own = (0.96, 0.99, 1.01, 0.9), math.sqrt(0.05**2 - shared**2)
+    gain = Contribution("gain", "B", shared, instrument=InstrumentError("gain", "torque"))
+    known = Uncertainty(0.05, "each", budget=(Contribution("noise", "A", own), gain))
+    found = _all_conform(Limit(max=1.05), [_uncertain(value, known) for value in values])
+    random = np.random.default_rng(0)
+    moved = np.array(values) + own * random.standard_normal((100_000, 4))
+    moved += shared * random.standard_normal((100_000, 1))
+    assert found == pytest.approx(float(np.mean(np.all(moved <= 1.05, axis=1))), abs=0.006)
+    assert (
+        _all_conform(Limit(max=1.05), [*(_uncertain(value, known) for value in values), *_measured(1.0)])
+        is None
+    )
+
+
+def _uncertain(value: float, uncertainty: Uncertainty) -> Measurement:
+    return Measurement("torque_mean", value, "Nm", "mean", uncertainty=uncertainty)
+
+
+def test_the_worst_states_the_probability_of_all() -> None:
+    found = _judged("worst", [0.96, 0.99, 1.01], standard=0.05, limit=Limit(max=1.05, margin="U"))
+    alone = [float(stats.norm.cdf((1.05 - value) / 0.05)) for value in (0.96, 0.99, 1.01)]
+    assert found.conformance == pytest.approx(math.prod(alone), rel=1e-6)
+    assert found.to_json()["limit"]["conformance"] == found.conformance
+    assert f"probability of conformance {found.conformance:.3f}" in str(found.missed)
+    unknown = replace(found, of_all=None)
+    assert unknown.conformance is None
+    assert unknown.to_json()["limit"]["conformance_reason"] == "the uncertainty of a repetition is not known"
 
 
 @pytest.mark.parametrize("judge", ["mean", "worst"])
