@@ -106,6 +106,7 @@ def current_spectrum(
     )
     if beats:
         errors = replace(errors, wander=np.append(math.nan, errors.wander[1:]))
+    has_moved = found.track.departure is not None or found.steady.trend is not None
     lines, taken = basis, found.taken
     if taken is not None:
         lines = replace(basis, window=f"{basis.window}, without {taken.words}")
@@ -130,7 +131,8 @@ def current_spectrum(
             group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
         *_refused(
-            _noise(noise_floor(clean), spectrum.fundamental_Hz, unit, channel, lines), sound.of_amplitudes
+            _noise(noise_floor(clean, has_moved=has_moved), spectrum.fundamental_Hz, unit, channel, lines),
+            sound.of_amplitudes,
         ),
     )
     of_lines = replace(lines, harmonics=len(errors.phase))

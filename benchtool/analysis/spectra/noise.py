@@ -62,7 +62,11 @@ class NoiseFloor:
 
 
 def noise_floor(
-    spectrum: CoherentSpectrum, first_order: float = 0.0, last_order: float = math.inf
+    spectrum: CoherentSpectrum,
+    first_order: float = 0.0,
+    last_order: float = math.inf,
+    *,
+    has_moved: bool = False,
 ) -> NoiseFloor | None:
     """Return noise floor from the bins between two orders that are not harmonics; None if fewer than eight.
 
@@ -70,6 +74,10 @@ def noise_floor(
     that is not quite steady spreads there. In bands of 16 bins or more, each a tenth wider than the one
     before, the median of the squares over that of an exponential distribution is the band's power; where the
     density is steep, the mean of those that are no line.
+
+    Where a phase was followed or the course of an amplitude was divided out (`has_moved`), something of it
+    may be left between the low harmonics, as noise of that colour may: the floor may be as far below as
+    without what the lower bands have more than the upper half of them.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
@@ -99,8 +107,18 @@ def noise_floor(
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
-    of_root = math.hypot(_relative_to_found(relative), of_leakage)
+    of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
+    of_root = math.hypot(_relative_to_found(relative), of_leakage, of_rest)
     return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
+
+
+def _of_low_bands(powers: list[float], shares: NDArray[np.float64]) -> float:
+    """Return the rms of how far the root of the mean of powers, of bands with these shares, is above any
+    level, each as likely, down to that without what the lower bands have more than the upper half."""
+    upper = np.cumsum(shares) > 0.5
+    level = float(np.average(np.array(powers)[upper], weights=shares[upper]))
+    more = 1.0 - level / float(shares @ np.array(powers))
+    return (1.0 - math.sqrt(1.0 - more)) / math.sqrt(3.0) if more > 0.0 else 0.0
 
 
 def _steep_power(square: NDArray[np.float64], shape: NDArray[np.float64]) -> tuple[float, float]:

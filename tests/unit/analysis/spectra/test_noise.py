@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,6 +57,22 @@ def test_the_floor_of_white_noise_is_its_density_whatever_lines_there_are(
     accuracy = 4 * floor.relative_error
     assert floor.density == pytest.approx(density, rel=accuracy)
     assert floor.amplitude == pytest.approx(2 * SIGMA / math.sqrt(spectrum.samples), rel=accuracy)
+
+
+def test_what_is_left_of_a_motion_between_low_harmonics_may_be_no_noise() -> None:
+    spectrum = spectrum_of({1: 1.0}, seed=2)
+    quiet, moved = noise_floor(spectrum), noise_floor(spectrum, has_moved=True)
+    assert quiet is not None
+    assert moved is not None
+    assert moved.relative_error < 1.5 * quiet.relative_error
+
+    low = 5 * spectrum.periods
+    left = spectrum.phasor.copy()
+    left[:low] *= 10.0
+    spread = replace(spectrum, phasor=left, amplitude=np.abs(left))
+    moved = noise_floor(spread, has_moved=True)
+    assert moved is not None
+    assert moved.amplitude * (1.0 - 2.0 * moved.relative_error) < quiet.amplitude < moved.amplitude
 
 
 def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
