@@ -130,9 +130,8 @@ def _tangent(points: _Points, unknowns: Floats, zeros: int, poles: int) -> tuple
 
 def _normal(columns: Complex, values: Complex) -> tuple[Floats, Floats, Floats]:
     """Return the normal equations of real unknowns, of columns of unit length, and their lengths before."""
-    parts = np.concatenate((columns.real, columns.imag))
-    size = np.sqrt(np.sum(parts**2, axis=0))
-    size[size == 0.0] = 1.0
-    parts /= size
-    product = parts.T @ parts + _RIDGE * np.eye(parts.shape[1])
-    return product, parts.T @ np.concatenate((values.real, values.imag)), size
+    product = np.real(columns.conj().T @ columns)
+    size = np.sqrt(np.diagonal(product))
+    size = np.where(size > 0.0, size, 1.0)
+    product = product / np.outer(size, size) + _RIDGE * np.eye(len(size))
+    return product, np.real(values @ columns.conj()) / size, size

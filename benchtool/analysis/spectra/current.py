@@ -399,7 +399,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, "
             "without what is taken out of the harmonics",
             "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two "
-            "standard uncertainties above",
+            "standard uncertainties above; where a phase was followed or the course of an amplitude divided "
+            "out, what the lower bands have more than the upper half",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"
