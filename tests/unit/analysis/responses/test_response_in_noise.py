@@ -122,7 +122,7 @@ def test_the_gain_at_rest_is_not_biased_by_gains_of_large_errors() -> None:
     missed = []
     for _ in range(100):
         noise = error * (random.standard_normal(len(truth)) + 1j * random.standard_normal(len(truth)))
-        found = gain_at_rest(frequency_Hz, truth * (1.0 + noise), error)
+        found = gain_at_rest(frequency_Hz, np.asarray(truth * (1.0 + noise)), error)
         missed.append((found.gain - 1.0) / (found.gain * found.relative_error))
     assert abs(float(np.mean(missed))) < 0.25
     assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.2
