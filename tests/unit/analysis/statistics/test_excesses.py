@@ -105,3 +105,5 @@ def test_a_heavy_tail_is_of_a_twentieth_of_the_values_and_of_any_unit() -> None:
     for maxima_of in (maxima, 0.7 * maxima, 0.2 * maxima):
         of_small_unit = scatter_in_tail(1e3 * values, 1e3 * maxima_of)
         assert of_small_unit == pytest.approx(1e3 * tail.scatter_of_largest(maxima_of))
+    assert tail.scatter_of_largest(0.2 * maxima) == 0.0 < tail.scatter_of_largest(0.8 * maxima)
+    assert scatter_in_tail(values + 50.0, maxima) == pytest.approx(tail.scatter_of_largest(maxima))
