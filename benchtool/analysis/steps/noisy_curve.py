@@ -220,11 +220,6 @@ class NoisyCurve:
         square = found[:, 1] ** 2 + (found[:, 0] - least) ** 2
         return -least, math.sqrt(float(counts @ square) / len(tops))
 
-    def lowered_after_greatest(self, lowest: float) -> float:
-        """Return by how much noise is taken to lower the least value after the greatest, which without it is
-        `lowest`; never negative."""
-        return max(0.0, lowest - float(np.min(self.values[int(np.argmax(self.values)) :])))
-
     def place_of_greatest(self) -> Instant:
         """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))

@@ -270,8 +270,6 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
     lowest, standard = curve.least_after_greatest()
-    if peak is not None:
-        standard = math.hypot(standard, curve.lowered_after_greatest(lowest) / math.sqrt(3.0))
     short, standard = _at_least_zero(step, step.final - lowest, math.hypot(standard, step.final_error))
     yield step.number(name, text, short, Uncertainty(standard, source))
 
