@@ -42,6 +42,8 @@ _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it i
 _BELOW_ORDER = 3
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
+_OF_NOISE = 0.35  # relative deviation of amplitudes, which of noise alone have Rayleigh's, 0.52
+_UNRELATED, _MOST_OF_NOISE = 2.5, 0.5  # standard deviations of a correlation; the most of few periods
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -50,13 +52,13 @@ class Wander:
     """How the fundamental moves about a track: `phase_rad`, without jumps, and `amplitude`, shape (periods,).
 
     `excess_rad` is the rms deviation of the phase from its mean beyond what noise does, which moves amplitude
-    and phase alike, or that the harmonics repeat; 0 where it may be noise. `undecided_rad` is as much as they
-    may repeat besides. `noise_rad` is what noise does to one period's phase. `jump_rad`
-    is the largest change of phase from period to period where it stands out of all others, else 0: no
-    smooth track explains it. `jumps_alone` says that amplitude and frequency are the same on both sides of
-    it, `by_angle` that the track is that of an angle. `of_angle`, shape (harmonics,), is the standard
-    uncertainty of each amplitude by what a measured angle does in every period alike, which may be the
-    rotor's or an error of its sensor; empty where there is no such doubt.
+    and phase alike, or that the harmonics repeat; 0 where it may be noise, or there is nothing but noise.
+    `undecided_rad` is as much as they may repeat besides. `noise_rad` is what noise does to one period's
+    phase. `jump_rad` is the largest change of phase from period to period where it stands out of all others,
+    else 0: no smooth track explains it. `jumps_alone` says that amplitude and frequency are the same on both
+    sides of it, `by_angle` that the track is that of an angle. `of_angle`, shape (harmonics,), is the
+    standard uncertainty of each amplitude by what a measured angle does in every period alike, which may be
+    the rotor's or an error of its sensor; empty where there is no such doubt.
     """
 
     phase_rad: NDArray[np.float64]
@@ -89,6 +91,8 @@ def wander(coherent: CoherentSamples) -> Wander:
     if not middle > 0.0:
         return Wander(phase_rad, amplitude, math.inf, math.inf)
     of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
+    if of_amplitude > _OF_NOISE**2 and _are_unrelated(phasor):
+        return Wander(phase_rad, amplitude, 0.0, math.sqrt(of_amplitude))
     freedom = len(phasor) - 1
     excess = 0.0
     ratio = of_phase / of_amplitude if of_amplitude > 0.0 else math.inf
@@ -107,6 +111,12 @@ def wander(coherent: CoherentSamples) -> Wander:
         jump_rad,
         jump_rad > 0.0 and _jumps_alone(steps, amplitude),
     )
+
+
+def _are_unrelated(phasor: NDArray[np.complex128]) -> bool:
+    """Return whether the phasors of periods, shape (periods,), are correlated no more than noise alone is."""
+    correlation = abs(complex(np.sum(phasor[1:] * np.conj(phasor[:-1])))) / float(np.sum(np.abs(phasor) ** 2))
+    return correlation < min(_UNRELATED / math.sqrt(len(phasor)), _MOST_OF_NOISE)
 
 
 def _jump_rad(steps: NDArray[np.float64]) -> float:

@@ -20,6 +20,7 @@ from benchtool.analysis.spectra.phase_following import Wander, follow, wander
 from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
+    coherent_samples,
     coherent_spectrum,
     spectrum_of as spectrum_of_samples,
 )
@@ -191,6 +192,22 @@ def test_the_resolution_of_an_angle_does_not_average_out_of_its_ends() -> None:
     track = PhaseTrack(LINEAR, SAMPLES, "angle", 0.01, measured, none, resolution_rad=0.03)
     expected = 0.03 / math.sqrt(6.0) * RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))
     assert standard(frequency_of(track, still())) == pytest.approx(expected, rel=1e-3)
+
+
+def test_noise_without_a_current_moves_no_phase() -> None:
+    found = [wander(coherent(np.random.default_rng(seed).standard_normal(SAMPLES))) for seed in range(40)]
+    assert sum(each.excess_rad == each.jump_rad == 0.0 for each in found) >= 38
+
+
+@pytest.mark.parametrize("size", [0.0, 0.9])
+def test_a_current_that_swings_and_turns_is_no_noise(size: float) -> None:
+    turned = np.cos(2.0 * np.pi * FREQUENCY_HZ * T + 2.0 * np.sin(2.0 * np.pi * 1.3 * T))
+    seen = wander(coherent((1.0 + size * np.cos(2.0 * np.pi * 0.7 * T)) * turned))
+    assert seen.excess_rad > 1.0
+
+
+def coherent(samples: Array) -> CoherentSamples:
+    return coherent_samples(samples, RATE_HZ, PhaseTrack(LINEAR, SAMPLES, "as it was made"))
 
 
 def test_a_phase_that_jumps_is_told_from_one_that_swings() -> None:
