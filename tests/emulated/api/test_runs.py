@@ -29,7 +29,7 @@ def test_a_plan_made_in_python_is_run_judged_compared_reported_and_shown(
     assert any("case 2 of 2: foc" in line for line in told)
     assert result.measurement("torque_mean") == pytest.approx({"tpc": 1.0, "foc": 1.0}, abs=0.02)
     assert "torque_ripple_pp" in str(result)
-    assert "&lt;= 0.5: pass" in result._repr_html_()
+    assert "≤ 0.5: pass" in result._repr_html_()
     with pytest.raises(UsageError, match="2 cases, tpc, foc"):
         _ = result.case
     with pytest.raises(UsageError, match="no case 'dtc'"):
