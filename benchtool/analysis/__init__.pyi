@@ -12,6 +12,7 @@ from .declaration import (
     Panel as Panel,
     Quantity as Quantity,
 )
+from .distributions import equally_likely as equally_likely
 from .flux.trajectory import flux_trajectory as flux_trajectory
 from .measurement import (
     Basis as Basis,

@@ -188,6 +188,12 @@ def median_of_exponentials(count: int) -> float:
     return upper if count % 2 else upper + 1.0 / count
 
 
+def equally_likely(count: int) -> tuple[float, ...]:
+    """Return so many values of a standard normal distribution, each as likely as the others: the middles of
+    shares of it that are equal."""
+    return tuple(NormalDist().inv_cdf((each + 0.5) / count) for each in range(count))
+
+
 def least_odds(by_chance: float) -> float:
     """Return the least odds of what has this probability by chance against any other cause, at most 1:
     -e p ln p (Sellke, Bayarri and Berger, Am. Statist. 55 (2001) 62)."""

@@ -14,7 +14,12 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
-from benchtool.analysis.validity import require_finite, require_unbroken
+from benchtool.analysis.validity import (
+    require_dc_link,
+    require_finite,
+    require_finite_channels,
+    require_unbroken,
+)
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -139,13 +144,8 @@ def switching_states(block: Block) -> SwitchingStates:
     """
     require_unbroken(block)
     u_dc = block.column("u_dc")
-    if not np.all(u_dc > 0.0):
-        raise AnalysisError(
-            f"'u_dc' is {float(np.nanmin(u_dc)):g} V in places, a dc link above 0 V is needed: "
-            f"check that it was on and is measured"
-        )
-    for name in ("u_alpha", "u_beta", "u_dc"):
-        require_finite(block.column(name), name)
+    require_dc_link(u_dc)
+    require_finite_channels(block, ("u_alpha", "u_beta", "u_dc"))
     shares = vector_shares(block.column("u_alpha"), block.column("u_beta"), u_dc)
     rate_Hz = block.sample_rate_Hz
     basis = Basis(len(shares), rate_Hz, len(shares) / rate_Hz, reference="the PWM period", gaps=0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,21 @@ def require_finite(samples: NDArray[np.float64], name: str) -> None:
         raise AnalysisError(
             f"'{name}' has {bad} samples that are not finite, numbers are needed: check the drive's "
             f"estimator and record again"
+        )
+
+
+def require_finite_channels(block: Block, names: Iterable[str]) -> None:
+    """Refuse a block of which one of these channels has infinities or nan, as `require_finite`."""
+    for name in names:
+        require_finite(block.column(name), name)
+
+
+def require_dc_link(u_dc: NDArray[np.float64]) -> None:
+    """Refuse the voltage of a dc link, shape (n,), that is not above zero all along."""
+    if not np.all(u_dc > 0.0):
+        raise AnalysisError(
+            f"'u_dc' is {float(np.nanmin(u_dc)):g} V in places, a dc link above 0 V is needed: "
+            f"check that it was on and is measured"
         )
 
 

@@ -5,18 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Any, Literal
 
 import numpy as np
 
-from benchtool.analysis import Contribution, Correction, InstrumentError, Measurement, Uncertainty
+from benchtool.analysis import (
+    Contribution,
+    Correction,
+    InstrumentError,
+    Measurement,
+    Uncertainty,
+    equally_likely,
+)
 from benchtool.plan import NAMES as REACHED, Case, Limit, Missed, Plan, Verdict, cases, missed
 from benchtool.results.agreement import Disagreement, disagreements, transducer_name
 from benchtool.telemetry import certificate_units
 
 _ROUNDING = 1e-13  # relative: of a mean of equal numbers
-_ALIKE = tuple(NormalDist().inv_cdf((i + 0.5) / 64) for i in range(64))  # errors in common, each as likely
+_ALIKE = equally_likely(64)  # errors in common
 
 
 @dataclass(frozen=True)

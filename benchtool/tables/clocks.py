@@ -45,10 +45,11 @@ def read_clock(
         time_s = time_s / _PER_S[unit]
         clock = Clock(datetime.fromtimestamp(float(time_s[0]), UTC).date())
     scale_s = selection.gain * selection.factor
-    modulus = _modulus(time_s / scale_s - selection.offset / selection.gain)
+    counts = time_s / scale_s - selection.offset / selection.gain
+    modulus = _modulus(counts)
     if not modulus:
         return selection, time_s, clock
-    went_round = np.diff(time_s / scale_s, prepend=time_s[0] / scale_s) < 0.0
+    went_round = np.diff(counts, prepend=counts[0]) < 0.0
     clock = replace(clock, modulus=modulus, rollovers=int(np.count_nonzero(went_round)))
     return selection, time_s + modulus * scale_s * np.cumsum(went_round), clock
 

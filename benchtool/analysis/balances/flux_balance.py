@@ -27,7 +27,7 @@ from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
 from benchtool.analysis.uncertainty import Contribution, Uncertainty
-from benchtool.analysis.validity import clipping, require_finite, require_unbroken
+from benchtool.analysis.validity import clipping, require_finite_channels, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -154,8 +154,7 @@ def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBal
             f"the capture holds one tick in {block.stride}, each is needed to balance the flux: record with "
             f"stride = 1"
         )
-    for name in NEEDED:
-        require_finite(block.column(name), name)
+    require_finite_channels(block, NEEDED)
     for name in PHASES:
         if clipped := clipping(block.column(name)):
             raise AnalysisError(f"'{name}': {clipped}: lower the current, or widen its range")

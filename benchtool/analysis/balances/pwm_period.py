@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.balances.space_vectors import Complex, Floats, phase_values, space_vector
-from benchtool.errors import AnalysisError
+from benchtool.analysis.validity import require_dc_link
 
 _ALMOST = 1e-5  # of a period
 
@@ -57,11 +57,7 @@ class Edges:
         Raises:
             AnalysisError: the dc link is not above zero.
         """
-        if not np.all(u_dc > 0.0):
-            raise AnalysisError(
-                f"u_dc is {np.min(u_dc):.4g} V at its least, above zero is needed: charge the dc link, and "
-                f"check the channel"
-            )
+        require_dc_link(u_dc)
         phases = phase_values(u_s)
         centre = 0.5 * (np.max(phases, axis=0) + np.min(phases, axis=0))
         duty = np.clip(0.5 + (phases - centre) / u_dc, 0.0, 1.0)

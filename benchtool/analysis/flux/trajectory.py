@@ -121,7 +121,7 @@ class _Revolutions:
         """Return means of values along the path, shape (m,), over each, shape (revolutions,)."""
         return np.asarray(np.add.reduceat(values, self.begins) / self.counts)
 
-    @property
+    @cached_property
     def counts(self) -> NDArray[np.int64]:
         """Samples of each, shape (revolutions,)."""
         return np.array([part.stop - part.start for part in self.parts])

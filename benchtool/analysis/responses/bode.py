@@ -184,12 +184,15 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
     text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
     coherence = found.coherence[inside]
-    for which, value in (("min", float(np.min(coherence))), ("median", float(np.median(coherence)))):
+    for name, which, value in (
+        ("coherence_min", "least", np.min(coherence)),
+        ("coherence_median", "median", np.median(coherence)),
+    ):
         yield Measurement(
-            f"coherence_{which}",
-            value,
+            name,
+            float(value),
             "",
-            f"{'least' if which == 'min' else which} {text}",
+            f"{which} {text}",
             basis,
             uncertainty_reason="it is of this estimate, whose errors it describes",
             sensitivities=NO_SENSORS,

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import equally_likely
 from benchtool.analysis.statistics.maxima import l_moments
 from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.statistics.tail import GUMBEL, extreme_over_excess, moment_estimate
@@ -26,7 +26,7 @@ _OF_ROOT = 1.5  # largest values, over the root of how many there are
 _FEW_MAXIMA, _OF_THEIR_OWN = 20, 0.6  # values, and of the deviation of all
 _NEIGHBOURS = 2  # values that count as one by chance alone
 _OF_HEAVY, _FEWEST_OF_HEAVY = 20, 20  # one value in so many is of a heavy tail; values
-_NORMAL = tuple(NormalDist().inv_cdf((each + 0.5) / 16) for each in range(16))  # as likely as each other
+_NORMAL = equally_likely(16)
 _NORMAL_OVER_WIDTH, _OF_HEAVY_WIDTH = math.sqrt(math.pi), 0.5  # of an L-moment; so of tails of index 1/3
 
 

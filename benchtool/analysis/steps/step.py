@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
-from benchtool.analysis.distributions import above_zero
+from benchtool.analysis.distributions import above_zero, equally_likely
 from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.statistics.scatter import means_of_parts
@@ -48,7 +47,7 @@ _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever mo
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
 _MIDDLES = (np.arange(64) + 0.5) / 64  # of parts of a probability
-_NORMAL = np.array([NormalDist().inv_cdf(each) for each in _MIDDLES.tolist()])
+_NORMAL = np.array(equally_likely(64))
 _ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 

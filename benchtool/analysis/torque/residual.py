@@ -20,7 +20,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError, error_of_record, error_of_root
 from benchtool.analysis.uncertainty import combined
-from benchtool.analysis.validity import require_finite, require_unbroken
+from benchtool.analysis.validity import require_finite_channels, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -71,8 +71,7 @@ def torque_residual(block: Block, motor: Motor, transducer: Block | None = None)
         raise AnalysisError(
             f"{len(block.data)} rows to predict torque in, at least {_FEWEST_ROWS} are needed: record longer"
         )
-    for name in NEEDED:
-        require_finite(block.column(name), name)
+    require_finite_channels(block, NEEDED)
     now_Nm, next_Nm = _predict(block, motor)
     measured_Nm = block.column("torque")
     rate_Hz = block.sample_rate_Hz

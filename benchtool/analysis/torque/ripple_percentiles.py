@@ -6,12 +6,11 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import students_deviation
+from benchtool.analysis.distributions import equally_likely, students_deviation
 from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_series
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
@@ -24,7 +23,7 @@ LOW_PERCENT, HIGH_PERCENT = 0.5, 99.5
 _CORRELATED = 2.0  # periods that count as one, from which a tail is made of stretches of them
 _OVERLAPPING = 2.0  # periods in a window, which count as one where each is another
 _PARTS, _WHOLE_OVER_PARTS = 8, 1.27  # the whole reaches further into the tail than a part, and scatters more
-_NORMAL = np.array([NormalDist().inv_cdf((i + 0.5) / 32) for i in range(32)])  # equally probable
+_NORMAL = np.array(equally_likely(32))
 _PLACES = 2048  # in the record
 
 
