@@ -34,6 +34,7 @@ RIPPLE_ORDER, COGGING_ORDER = 6 * POLE_PAIRS, 3 * POLE_PAIRS
 _MEAN_OF_PEAKS = float(np.i0(6.0)) * math.exp(-6.0)
 _MUCH_LESS = 0.05  # of a step
 _NO_POWER = 1e-5
+_BETWEEN_CLOCKS = 2e-5  # relative
 THD_PERCENT = 100.0 * math.sqrt(sum(each**2 for each in HARMONICS.values()))
 
 
@@ -105,6 +106,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     deviation, swing_Hz = what.swing
     swing_rad = 2 * np.pi * swing_Hz * time_s + random.uniform(0, 2 * np.pi)
     speed = 2 * np.pi * what.frequency_Hz
+    if what.counts:  # the rotor and the samples have no clock in common, to which counts would be locked
+        speed *= 1.0 + _BETWEEN_CLOCKS * random.standard_normal()
     cycles = speed * time_s + 0.5 * speed * what.drift * (time_s**2 / duration_s - time_s)
     if deviation:
         cycles = cycles + speed * deviation / (2 * np.pi * swing_Hz) * np.sin(swing_rad)

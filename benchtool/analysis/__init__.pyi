@@ -55,6 +55,10 @@ from .periods import (
     track_tone as track_tone,
 )
 from .plug_ins import guarded as guarded
+from .quantisation.counted_line import (
+    least_spread as least_spread,
+    line_through_counts as line_through_counts,
+)
 from .quantisation.resolution import resolution as resolution
 from .responses.bode import (
     Bode as Bode,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import count_of, error_of_series
+from benchtool.analysis import count_of, error_of_series, least_spread, line_through_counts
 from benchtool.block import Gap
 
 _FEWEST_STAMPS = 8
@@ -19,11 +19,9 @@ _ONE_COUNT = 1.0 + 1e-6
 _SUMMED = 4.0  # of what rounding does to a stamp: of stamps that are sums or products of steps
 _COARSE = 1.1  # times the resolution: what rounding alone makes stamps deviate, peak to peak, from a fit
 _REGULAR = 4  # stamps of a row less, at equal distances, are those of a rate a little lower
-_SLOPES = 50
 _REFINEMENTS = 4
 _MOST_DECIMALS = 9
 _MOST_PARTS, _FEWEST_PARTS, _FEWEST_OF_PART = 64, 10, 8  # parts of stamps, and stamps of each
-_HALVINGS = 30
 _SKIPS = 0.5  # of a step: of a coarser resolution a count is skipped, or doubled, where the rate is off
 
 
@@ -115,7 +113,7 @@ def _coarse(time_s: NDArray[np.float64], steps: NDArray[np.float64], resolution_
     if not math.isfinite(resolution_s):
         return replace(_on_a_line(time_s, _ticks(advance), advance, resolution_s), gaps_known=False)
     count = (time_s - time_s[0]) / resolution_s
-    is_even = _least_spread(count) <= _ONE_COUNT
+    is_even = least_spread(count, np.arange(len(count), dtype=np.float64)).spread <= _ONE_COUNT
     missing = _missing_of_equal_counts(np.round(count))
     places = 0 if missing is None else int(np.count_nonzero(missing))
     if missing is not None and (places == 1 or not is_even):
@@ -151,35 +149,6 @@ def _missing_of_equal_counts(stamp: NDArray[np.float64]) -> NDArray[np.int64] | 
     missing[first[short + 1] - 1] += usual - counts[short]
     missing[first[skipped] - 1] += (np.diff(stamp[first])[skipped - 1].astype(np.int64) - 1) * usual
     return missing
-
-
-def _least_spread(stamp: NDArray[np.float64]) -> float:
-    """Return the least peak-to-peak deviation of stamps from a line through row numbers, over all slopes.
-
-    Up to one count, rows at an even rate explain stamps in whole counts. The deviation is convex in the
-    slope, and each slope's extremes give a line below it; where two such lines meet is the next slope.
-    """
-    rows = np.arange(len(stamp), dtype=np.float64)
-    mean = float(stamp[-1] - stamp[0]) / max(1, len(stamp) - 1)
-    lines: dict[bool, tuple[float, float]] = {}
-    slope, least = mean, math.inf
-    for _ in range(_SLOPES):
-        deviation = stamp - slope * rows
-        high, low = int(np.argmax(deviation)), int(np.argmin(deviation))
-        spread = float(deviation[high] - deviation[low])
-        least = min(least, spread)
-        falls = high > low  # a greater slope spreads less
-        lines[falls] = (float(rows[low] - rows[high]), spread - float(rows[low] - rows[high]) * slope)
-        if len(lines) < 2:
-            slope += math.copysign(spread / abs(high - low), high - low) if high != low else 0.0
-            if high == low:
-                break
-            continue
-        (rise_a, at_a), (rise_b, at_b) = lines.values()
-        if rise_a == rise_b or (at_b - at_a) / (rise_a - rise_b) == slope:
-            break
-        slope = (at_b - at_a) / (rise_a - rise_b)
-    return least
 
 
 def _number(value: float) -> float:
@@ -220,15 +189,19 @@ def _on_a_line(
             resolution_s,
         )
     late = np.flatnonzero(advance > 1)
-    jitter_s = float(np.sqrt(np.mean(deviation**2)))
+    standard_s, allowed = _of_slope(number, deviation, coarse_s, rounding_s), None
+    if coarse_s and spread_s > _SUMMED * rounding_s:
+        allowed = line_through_counts(about, number, _ONE_COUNT * coarse_s + 2.0 * rounding_s)
+    if allowed is not None:
+        step_s, standard_s = allowed.slope, allowed.standard
+    jitter_s = float(np.sqrt(np.mean((about - step_s * number) ** 2)))
     return TimeBase(
         begin_s=float(time_s.mean() - step_s * tick.mean()),
         step_s=step_s,
         jitter_s=jitter_s,
         resolution_s=resolution_s,
         gaps=tuple(Gap(int(row) + 1, int(advance[row]) - 1) for row in late),
-        rate_relative=_of_slope(number, about, step_s, coarse_s, rounding_s) / step_s
-        + _of_gaps(advance, coarse_s, step_s),
+        rate_relative=standard_s / step_s + _of_gaps(advance, coarse_s, step_s),
     )
 
 
@@ -242,25 +215,15 @@ def _off_rows(time_s: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _of_slope(
-    number: NDArray[np.float64],
-    about: NDArray[np.float64],
-    step_s: float,
-    coarse_s: float,
-    rounding_s: float,
+    number: NDArray[np.float64], deviation: NDArray[np.float64], coarse_s: float, rounding_s: float
 ) -> float:
-    """Return the standard uncertainty of the slope `step_s` of stamps `about` over rows `number`, both of
-    shape (n,) and about their mean."""
-    deviation = about - step_s * number
+    """Return the standard uncertainty of the slope of a line by least squares from which stamps have this
+    deviation, at row numbers about their mean, both of shape (n,)."""
     ends_s = (
         math.sqrt(2.0) * max(float(np.std(deviation)), coarse_s / math.sqrt(12.0)) / float(np.ptp(number))
     )
-    spread_s = float(np.ptp(deviation))
-    if spread_s <= _SUMMED * rounding_s:
+    if float(np.ptp(deviation)) <= _SUMMED * rounding_s:
         return rounding_s / float(np.ptp(number))
-    if coarse_s and spread_s <= _COARSE * coarse_s + rounding_s:
-        # the least deviation may be of another slope, and that is then allowed too
-        widest = max(_ONE_COUNT * coarse_s + 2.0 * rounding_s, spread_s)
-        return max(_allowed(number, deviation, sign, widest) for sign in (-1.0, 1.0)) / math.sqrt(3.0)
     parts = min(_MOST_PARTS, len(number) // _FEWEST_OF_PART)
     if parts < _FEWEST_PARTS:
         return ends_s
@@ -270,19 +233,6 @@ def _of_slope(
     scatter = error_of_series(np.array(moments)).standard * parts / float(number @ number)
     rounded_s = rounding_s / float(np.ptp(number))
     return min(ends_s, math.hypot(scatter, rounded_s)) if math.isfinite(scatter) else ends_s
-
-
-def _allowed(
-    number: NDArray[np.float64], deviation: NDArray[np.float64], sign: float, widest: float
-) -> float:
-    """Return by how much a slope may change to one side until the stamps deviate by more than `widest`, peak
-    to peak; the deviation is convex in the slope."""
-    low, high = 0.0, 2.0 * widest / float(np.ptp(number))
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        allowed = float(np.ptp(deviation - sign * middle * number)) <= widest
-        low, high = (middle, high) if allowed else (low, middle)
-    return high
 
 
 def _of_gaps(advance: NDArray[np.int64], coarse_s: float, step_s: float) -> float:

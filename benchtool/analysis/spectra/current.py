@@ -320,8 +320,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("fundamental_frequency",),
             "Hz",
             "phase between first and last row / (2 pi duration)",
-            "of the slope of the angle's fit, by 64 parts of the record and their correlation; of the sine "
-            "fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
+            "of the slopes that the angle's counts allow at a constant speed, or else of the slope of its "
+            "fit, by 64 parts of the record and their correlation, and by steps that beat with the rows; of "
+            "the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
             "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "
             "at both ends",

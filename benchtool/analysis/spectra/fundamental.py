@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
+from benchtool.analysis.quantisation.counted_line import CountedLine, line_through_counts, of_slow_beats
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.spectra.continuation import continuation
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
@@ -31,6 +32,7 @@ the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t fr
 is sqrt(12)."""
 
 _OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin away, of any phase
+_LESS_THAN_A_COUNT = 1.0 - 1e-6
 _LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _BLOCKS = 64
@@ -191,14 +193,37 @@ def _turned(
             of_steps = 2.0 * math.pi * _OF_FOLDED * folded_rad
             lines.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
         return smooth_rad, lines, source
+    counted = _of_counts(track)
+    if counted is not None:
+        source = "slopes that the counts of the angle allow"
+        # a speed that is not quite constant shows nowhere but where counts pass
+        standard = max(counted.standard * (track.samples - 1), _of_beats(track))
+        return counted.slope * (track.samples - 1), [Contribution(source, "B", standard)], source
     scatter = _of_angle(track)
     if track.measured_rad is None or (track.departure is None and math.isfinite(scatter.standard)):
         source = "deviation of the angle from its fit, by parts of the record"
-        return smooth_rad, [Contribution(source, "A", scatter.standard, scatter.dof)], source
+        lines = [Contribution(source, "A", scatter.standard, scatter.dof)]
+        if track.resolution_rad > 0.0:
+            lines.append(Contribution("steps of the angle that beat with the rows", "B", _of_beats(track)))
+        return smooth_rad, lines, source
     turned_rad, of_ends = _by_ends(track, track.measured_rad)
     # what the signal does not do with the angle may be an error of the angle, at each end another
     departed = Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad)
     return turned_rad, [*of_ends, departed], "noise, bend and resolution of the angle at both ends"
+
+
+def _of_counts(track: PhaseTrack) -> CountedLine | None:
+    """Return the phase per row, rad, of an angle in counts that a constant speed explains; None where it does
+    not."""
+    if track.measured_rad is None or track.departure is not None or not track.resolution_rad > 0.0:
+        return None
+    rows = np.arange(track.samples, dtype=np.float64)
+    return line_through_counts(track.measured_rad, rows, _LESS_THAN_A_COUNT * track.resolution_rad)
+
+
+def _of_beats(track: PhaseTrack) -> float:
+    per_row = 2.0 * math.pi * track.periods / (track.samples - 1) / track.resolution_rad
+    return of_slow_beats(track.resolution_rad, per_row, track.samples, track.residual_rad or 0.0)
 
 
 def _of_sine_fit(spectrum: CoherentSpectrum) -> MeanError:

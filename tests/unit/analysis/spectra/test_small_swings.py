@@ -59,3 +59,25 @@ def test_a_line_beside_a_harmonic_does_not_make_it_the_largest() -> None:
     largest = next(each for each in found.measurements if each.name == "current_max_low_harmonic")
     assert found.spectrum.amplitude[5 * found.spectrum.periods] > 0.03
     assert largest.value == pytest.approx(0.0285, rel=1e-3)
+
+
+@pytest.mark.parametrize("counts", [64, 1000, 2500])
+@pytest.mark.parametrize("wobble_counts", [0.0, 0.02])
+def test_counts_that_beat_with_the_rows_leave_the_frequency_open(counts: int, wobble_counts: float) -> None:
+    """An encoder at a rate that is nearly a ratio of whole numbers of the rows' shows no deviation."""
+    random = np.random.default_rng(counts)
+    time_s = np.arange(20_000) / RATE_HZ
+    errors = []
+    for _ in range(8):
+        true_Hz = 20.0 * (1.0 + 2e-5 * random.standard_normal())
+        theta_m = 2 * np.pi * true_Hz / 4.0 * time_s + random.uniform(0.0, 2 * np.pi)
+        step_rad = 2 * np.pi / counts
+        read = theta_m + wobble_counts * step_rad * np.sin(theta_m)
+        track = track_angle(np.floor(read / step_rad) * step_rad, 4)
+        current = np.cos(4.0 * theta_m) + 1e-3 * random.standard_normal(len(theta_m))
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = {each.name: each for each in current_spectrum(block, "i_a", track).measurements}
+        frequency = found["fundamental_frequency"]
+        assert frequency.uncertainty is not None
+        errors.append((frequency.value - true_Hz) / frequency.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.7
