@@ -38,7 +38,7 @@ _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in 
 _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
-_AT_ENDS = 2  # periods
+_AT_ENDS = 4  # periods
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
@@ -152,8 +152,14 @@ def frequency(
 def left_at_ends_rad(seen: Wander) -> float:
     """Return what is left of lines that were taken out of a fundamental, in the difference of its phases at
     both ends of a record, where it is most."""
-    square = (seen.phase_rad - np.mean(seen.phase_rad)) ** 2
-    return math.sqrt(float(np.mean(square[:_AT_ENDS]) + np.mean(square[-_AT_ENDS:])))
+    phase_rad = seen.phase_rad - np.mean(seen.phase_rad)
+    return math.sqrt(sum(_shared2(phase_rad[rows]) for rows in (slice(_AT_ENDS), slice(-_AT_ENDS, None))))
+
+
+def _shared2(phase_rad: NDArray[np.float64]) -> float:
+    """Return the mean product of neighbouring phases, rad^2: what is not taken back from one period to the
+    next, as a track that noise or lines pull to and fro is by the phases that are seen along it."""
+    return max(0.0, float(np.mean(phase_rad[1:] * phase_rad[:-1])))
 
 
 def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander) -> Contribution | None:
@@ -282,7 +288,9 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
         float(going_on.weights(by) @ phases[-going_on.size :])
         for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
     ]
-    left2 = float(np.var(seen.phase_rad)) if track.departure is not None else seen.noise_rad**2
+    left2 = seen.noise_rad**2
+    if track.departure is not None:
+        left2 = going_on.noise2 + _shared2(seen.phase_rad - np.mean(seen.phase_rad))
     square = 2.0 * (left2 + within_rad**2)
     square += going_on.error2(before) + going_on.error2(after)
     return ends_rad[1] - ends_rad[0], math.sqrt(square)
