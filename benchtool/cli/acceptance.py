@@ -99,7 +99,7 @@ def _document(record: SessionRecord) -> dict[str, Any]:
                     one.name: {
                         "value": one.value,
                         "unit": one.unit,
-                        **one.limit.to_json(None),
+                        **one.held.to_json(),
                         "verdict": one.verdict,
                     }
                     for one in each.judged

@@ -10,8 +10,16 @@ from rich.text import Text
 from benchtool.analysis import Measurement, catalogue, placed, probability, undefined, with_expanded
 from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
-from benchtool.plan import Limit, Verdict
-from benchtool.results import Assessment, Disagreement, Repeated, RunResult, overdue_text, waived_limits
+from benchtool.plan import JudgedLimit, Limit
+from benchtool.results import (
+    Assessment,
+    Disagreement,
+    JudgedTogether,
+    Repeated,
+    RunResult,
+    overdue_text,
+    waived_limits,
+)
 
 _MOST_COLUMNS = 7
 
@@ -139,7 +147,7 @@ def show_repeated(
 ) -> None:
     """Print the results of each case over its repetitions: all measurements or those named."""
     for case, together in repeated.items():
-        limited = any(each.limit is not None for each in together)
+        limited = any(each.judged for each in together)
         rows: list[tuple[str | Text, ...]] = [
             (
                 each.name,
@@ -148,7 +156,7 @@ def show_repeated(
                 str(each.n),
                 each.unit,
             )
-            + ((_together(each),) if limited else ())
+            + ((_together(each.judged),) if limited else ())
             for each in together
             if not names or each.name in names
         ]
@@ -157,13 +165,12 @@ def show_repeated(
         output.table(f"{case}: mean of the repetitions and its standard uncertainty", columns, rows)
 
 
-def _together(repeated: Repeated) -> str:
-    """Return the value over repetitions that a limit is applied to, and the verdict."""
-    limit = repeated.limit
-    if limit is None:
+def _together(judged: JudgedTogether | None) -> str:
+    """Return the verdict on a limit over repetitions, and the value that it is applied to."""
+    if judged is None:
         return ""
-    what = "" if repeated.judged is None else f", {repeated.judge} {limit.bounds}"
-    return f"{_verdict(repeated.verdict, repeated.conformance)}{what}"
+    what = "" if judged.measured is None else f", {judged.judge} {judged.limit.bounds}"
+    return f"{_verdict(judged)}{what}"
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
@@ -200,30 +207,34 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     for each in (*result.measurements, *limited):
         if result.recorded is not None and not math.isfinite(each.value):
             continue  # below, with the reason
-        limit = result.limits.get(each.name)
-        bounds = "" if limit is None else limit.bounds
+        held = result.judged.get(each.name)
+        bounds = "" if held is None else held.limit.bounds
         beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
-        cells = (each.name, measured(each), *beside, each.unit, bounds, _judged(result, each.name))
+        cells = (
+            each.name,
+            measured(each),
+            *beside,
+            each.unit,
+            bounds,
+            _verdict(held),
+        )
         rows.append(cells)
     headings = (f">{name}" for name in published)
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
     if result.limits:
         output.sentence(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
-        for name, why in result.without_conformance.items():
-            output.sentence(f"no P of {name}: {why}", "dim")
+        for name, judged in result.judged.items():
+            if judged.conformance_reason:
+                output.sentence(f"no P of {name}: {judged.conformance_reason}", "dim")
     output.line(f"bundle: {result.bundle}")
 
 
-def _judged(result: Assessment, name: str) -> str:
-    """Return the verdict and, where the measurement has an uncertainty, the probability of conformance."""
-    if name not in result.verdicts:
-        return ""
-    return _verdict(result.verdicts[name], result.conformances.get(name))
-
-
-def _verdict(verdict: Verdict, conformance: float | None) -> str:
-    return str(verdict) if conformance is None else f"{verdict}, P {probability(conformance)}"
+def _verdict(judged: JudgedLimit | None) -> str:
+    """Return the verdict on a limit and, where that is known, the probability of conformance."""
+    if judged is None or judged.conformance is None:
+        return "" if judged is None else str(judged.verdict)
+    return f"{judged.verdict}, P {probability(judged.conformance)}"
 
 
 def _rules(limits: Mapping[str, Limit]) -> str:

@@ -12,14 +12,15 @@ from .changes import (
     places_of as places_of,
 )
 from .former_names import present_name as present_name
+from .judged import (
+    JudgedLimit as JudgedLimit,
+    Missed as Missed,
+)
 from .lazy_catalogue import catalogue as catalogue
 from .limits import (
     Limit as Limit,
-    Missed as Missed,
     Verdict as Verdict,
     Waived as Waived,
-    missed as missed,
-    without_uncertainty as without_uncertainty,
     worst as worst,
 )
 from .model import (

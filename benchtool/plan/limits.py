@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
@@ -16,8 +15,7 @@ from pydantic import Field, field_validator, model_validator
 from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
-    from benchtool.analysis import Measurement, Uncertainty
-
+    from benchtool.analysis import Uncertainty
 
 SIMPLE: Final = "simple acceptance"
 """The decision rule without a margin: the value alone is compared with the bounds (JCGM 106:2012, 8.2)."""
@@ -164,20 +162,6 @@ class Limit(Section):
             return f"at most {self.max:g} is allowed: {value - self.max:.3g} too much"
         return ""
 
-    def to_json(self, measured: Measurement | None, of_all: float | None = None) -> dict[str, Any]:
-        """Return the bounds, the rule in words, the verdict on a measurement, and the probability of
-        conformance where that has an uncertainty, else `conformance_reason`, why there is none.
-
-        That of all repetitions may be given, of which the measurement is the worst.
-        """
-        value, uncertainty = (None, None) if measured is None else (measured.value, measured.uncertainty)
-        document = self.model_dump(exclude_none=True)
-        document |= {"rule": self.rule, "verdict": str(self.judge(value, uncertainty))}
-        conformance = self.conformance(value, uncertainty) if of_all is None else of_all
-        if conformance is not None:
-            return document | {"conformance": conformance}
-        return document | {"conformance_reason": without_uncertainty(measured)}
-
     @property
     def bounds(self) -> str:
         """`≥ 1, ≤ 2`, or `= 1`."""
@@ -192,61 +176,6 @@ class Limit(Section):
         if self.margin == "U":
             return "guard band U (95 %)"
         return f"marginal within {self.margin:g}" if self.margin else SIMPLE
-
-
-@dataclass(frozen=True)
-class Missed:
-    """A limit that was missed, met within its margin only, or undecided, in words."""
-
-    name: str
-    verdict: Verdict
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{self.name} {self.reason}"
-
-
-def missed(
-    name: str, limit: Limit, measured: Measurement | None, of_all: float | None = None
-) -> Missed | None:
-    """Return a limit that was missed, with its measurement; None if it was met. The probability that all
-    repetitions conform may be given, of which it is the worst."""
-    if measured is None:
-        return Missed(name, Verdict.FAIL, f"was not measured, {limit.bounds} is asked for")
-    verdict = limit.judge(measured.value, measured.uncertainty)
-    if verdict is Verdict.PASS:
-        return None
-    if not math.isfinite(measured.value):
-        why = measured.reason or measured.definition
-        return Missed(name, verdict, f"is undefined ({why}), {limit.bounds} is asked for")
-    value = f"is {measured.value:.4g} {measured.unit}".rstrip()
-    if verdict is Verdict.MARGINAL:
-        return Missed(name, verdict, f"{value}, within {limit.margin:g} of its limit {limit.bounds}")
-    if limit.margin == "U":
-        return Missed(name, verdict, f"{value}, {_guarded(limit, measured, of_all)}")
-    return Missed(name, verdict, f"{value}, {limit.shortfall(measured.value)}")
-
-
-def without_uncertainty(measured: Measurement | None) -> str:
-    """Return why a measurement, if there is one, has no value or no uncertainty."""
-    if measured is None:
-        return "it was not measured"
-    if not math.isfinite(measured.value):
-        return f"it is undefined ({measured.reason or measured.definition})"
-    why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
-    return f"its uncertainty is not known{why}"
-
-
-def _guarded(limit: Limit, measured: Measurement, of_all: float | None) -> str:
-    """Return why a finite value does not pass a limit with a guard band."""
-    uncertainty = measured.uncertainty
-    if uncertainty is None or not math.isfinite(uncertainty.expanded):
-        return f'{without_uncertainty(measured)}, which margin = "U" of its limit {limit.bounds} needs'
-    beyond = limit.shortfall(measured.value)
-    place = beyond or f"{limit.headroom(measured.value):.3g} inside its limit {limit.bounds}"
-    U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
-    conformance = limit.conformance(measured.value, uncertainty) if of_all is None else of_all
-    return f"{place}, {U}, probability of conformance {conformance:.3f}"
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

@@ -14,10 +14,10 @@ from typing import Final
 from xml.etree import ElementTree
 
 from benchtool.analysis import with_expanded
-from benchtool.plan import Limit, Verdict
+from benchtool.plan import JudgedLimit
 from benchtool.recording import writing
 from benchtool.report.provenance import run_facts
-from benchtool.results import Assessment, RecordedCase, RecordedRun
+from benchtool.results import RecordedCase, RecordedRun, judged_together
 
 _NOT_IN_XML: Final = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -54,20 +54,8 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
         ElementTree.SubElement(properties, "property", name=name, value=_text(value))
     for case in run.cases:
         _tests_of(suite, f"{title}.{_text(case.name)}", case)
-    for group, together in run.repeated.items():
-        for each in together:
-            if each.limit is not None:
-                judged = each.judged
-                value = "not measured"
-                if judged is not None:
-                    value = f"{with_expanded(judged.value, judged.uncertainty)} {each.unit}".rstrip()
-                test = _test(
-                    suite, f"{title}.{_text(group)}", f"{each.name} {each.limit.bounds}, {each.judge}"
-                )
-                _judge(
-                    *(test, each.verdict, str(each.missed or each.waived or "")),
-                    *(f"{value}, {each.limit.rule}", each.limit),
-                )
+    for group, each in judged_together(run.repeated):
+        _judge(suite, f"{title}.{_text(group)}", f"{each.name} {each.limit.bounds}, {each.judge}", each)
     for name in run.missing:
         test = _test(suite, f"{title}.{_text(name)}", "run")
         ElementTree.SubElement(test, "skipped", message="the case has no recording")
@@ -88,36 +76,27 @@ def _tests_of(suite: ElementTree.Element, place: str, case: RecordedCase) -> Non
     output.text = _text(f"bundle: {case.bundle.directory}")
     if case.assessment is None:
         return
-    result = case.assessment
-    missed = {each.name: str(each) for each in (*result.missed, *result.waived)}
-    for name, verdict in case.assessment.verdicts.items():
-        limit = case.assessment.limits[name]
-        test = _test(suite, place, f"{name} {limit.bounds}")
-        _judge(
-            test, verdict, missed.get(name, ""), f"{_measured(case.assessment, name)}, {limit.rule}", limit
-        )
+    for each in case.assessment.judged.values():
+        _judge(suite, place, f"{each.name} {each.limit.bounds}", each)
 
 
-def _measured(result: Assessment, name: str) -> str:
-    measurement = result.found.get(name)
-    if measurement is None:
-        return f"{name}: not measured"
-    value = with_expanded(measurement.value, measurement.uncertainty)
-    return f"{name}: {value} {measurement.unit}".rstrip()
-
-
-def _judge(test: ElementTree.Element, verdict: Verdict, missed: str, measured: str, limit: Limit) -> None:
+def _judge(suite: ElementTree.Element, place: str, name: str, judged: JudgedLimit) -> None:
+    """Append the test of a limit, with what was measured and the decision rule."""
+    test, limit, told = _test(suite, place, name), judged.limit, str(judged.told or "")
     if limit.requirement:
         properties = ElementTree.SubElement(test, "properties")
         ElementTree.SubElement(properties, "property", name="requirement", value=_text(limit.requirement))
-    if not verdict.met and limit.waived is not None:
-        why = _text(f"waived by {limit.waived.by}: {limit.waived.reason}: {missed}")
+    if judged.waived and limit.waived is not None:
+        why = _text(f"waived by {limit.waived.by}: {limit.waived.reason}: {told}")
         ElementTree.SubElement(test, "skipped", message=why)
-    elif not verdict.met:
-        failure = ElementTree.SubElement(test, "failure", message=_text(missed), type=str(verdict))
-        failure.text = _text(missed)
+    elif not judged.verdict.met:
+        failure = ElementTree.SubElement(test, "failure", message=_text(told), type=str(judged.verdict))
+        failure.text = _text(told)
+    value = "not measured"
+    if (measured := judged.measured) is not None:
+        value = f"{with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()
     output = ElementTree.SubElement(test, "system-out")
-    output.text = _text(f"{verdict}: {measured}")
+    output.text = _text(f"{judged.verdict}: {judged.name}: {value}, {limit.rule}")
 
 
 def _test(suite: ElementTree.Element, place: str, name: str) -> ElementTree.Element:

@@ -13,10 +13,11 @@ from typing import Any
 from benchtool.analysis import measurements_from_json, number, raw
 from benchtool.block import Block
 from benchtool.errors import BenchError
+from benchtool.plan import JudgedLimit
 from benchtool.profile import Choice, Profile
 from benchtool.recording import MANIFEST, Bundle, Event, Level, Manifest, reading
 from benchtool.report.content import Cell, Facts, Grid, Item, Section, Text
-from benchtool.report.results import JudgedLimit, measurements_section
+from benchtool.report.results import measurements_section
 
 _RESULTS = (MANIFEST, "measurements.json", "tables.json", "certificate.json")
 _SHOWN_EVENTS = 30

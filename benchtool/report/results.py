@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Final
 
 from benchtool.analysis import (
     NOTHING,
@@ -18,27 +18,23 @@ from benchtool.analysis import (
     raw,
     with_expanded,
 )
-from benchtool.plan import Limit
+from benchtool.plan import JudgedLimit, Limit, Verdict
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 
 _SHOWN_ROWS = 10
 _GAPS = {0: "no gaps", 1: "1 gap"}
+_MARKS: Final[Mapping[Verdict, Mark]] = {
+    Verdict.NONE: "none",
+    Verdict.PASS: "pass",
+    Verdict.MARGINAL: "marginal",
+    Verdict.UNDECIDED: "undecided",
+    Verdict.FAIL: "fail",
+}
 
 
-@dataclass(frozen=True)
-class JudgedLimit:
-    """A limit as it is printed, with its verdict; `conformance` is the probability that the limit is met,
-    where the measurement has an uncertainty, and `no_conformance` why there is none."""
-
-    limit: Limit
-    verdict: Mark
-    conformance: float | None = None
-    no_conformance: str = ""
-
-    @property
-    def bounds(self) -> str:
-        """`≥ 1, ≤ 2`."""
-        return bounds_of(self.limit)
+def mark(verdict: Verdict) -> Mark:
+    """Return a verdict as the report marks it."""
+    return _MARKS[verdict]
 
 
 def bounds_of(limit: Limit) -> str:
@@ -46,12 +42,10 @@ def bounds_of(limit: Limit) -> str:
     return re.sub("([≥≤=]) ", "\\1\N{NO-BREAK SPACE}", limit.bounds).replace("-", "−")
 
 
-def limits_section(measured: Sequence[Measurement], limits: Mapping[str, JudgedLimit]) -> Section:
+def limits_section(judged: Collection[JudgedLimit]) -> Section:
     """Return every limit with its value, rule, headroom, probability of conformance and verdict."""
-    if not limits:
+    if not judged:
         return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
-    found = {each.name: each for each in measured}
-    rows = [_limit_row(name, each, found.get(name)) for name, each in limits.items()]
     headings = (
         "measurement",
         ">value ± U (k)",
@@ -64,34 +58,46 @@ def limits_section(measured: Sequence[Measurement], limits: Mapping[str, JudgedL
     )
     notes = [Text("P is the probability of conformance, by the measurement alone.", "note")]
     notes += [
-        Text(f"No P of {name}: {each.no_conformance.rstrip('.')}.", "note")
-        for name, each in limits.items()
-        if each.no_conformance
+        Text(f"No P of {each.name}: {each.conformance_reason.rstrip('.')}.", "note")
+        for each in judged
+        if each.conformance_reason
     ]
-    return Section("Limits and verdicts", (Grid.of(headings, rows), *notes))
+    return Section("Limits and verdicts", (Grid.of(headings, [_limit_row(each) for each in judged]), *notes))
 
 
-def _limit_row(name: str, judged: JudgedLimit, measured: Measurement | None) -> tuple[str | Cell, ...]:
-    limit, verdict = judged.limit, Cell(judged.verdict, judged.verdict)
-    value = measured.value if measured else math.nan
-    unit = measured.unit if measured else ""
-    left = NOTHING
-    if math.isfinite(value):
-        room = limit.headroom(value)
+def _limit_row(judged: JudgedLimit) -> tuple[str | Cell, ...]:
+    limit, measured, left = judged.limit, judged.measured, NOTHING
+    if measured is not None and math.isfinite(measured.value):
         stated = (bound for bound in (limit.min, limit.max) if bound is not None)
-        nearer = min(stated, key=lambda bound: abs(value - bound))
-        share = f" ({100 * room / abs(nearer):.2g} %)".replace("-", "−") if nearer else ""
-        left = number(room, 3) + share
-    shown = f"{_value(measured)}{_coverage(measured)}" if measured else "not measured"
-    conformance = NOTHING if judged.conformance is None else probability(judged.conformance)
-    return name, shown, unit, judged.bounds, limit.rule, left, conformance, verdict
+        nearer = min(stated, key=lambda bound: abs(measured.value - bound))
+        share = f" ({100 * judged.headroom / abs(nearer):.2g} %)".replace("-", "−") if nearer else ""
+        left = number(judged.headroom, 3) + share
+    return (
+        judged.name,
+        value_with_k(measured),
+        measured.unit if measured else "",
+        *(bounds_of(limit), limit.rule, left, conformance_of(judged), verdict_cell(judged)),
+    )
 
 
-def _coverage(measured: Measurement) -> str:
-    """Return the factor k of an expanded uncertainty that is known."""
+def verdict_cell(judged: JudgedLimit) -> Cell:
+    """Return the verdict on a limit, marked."""
+    return Cell(str(judged.verdict), mark(judged.verdict))
+
+
+def conformance_of(judged: JudgedLimit) -> str:
+    """Return the probability of conformance; a dash where it is not known."""
+    return NOTHING if judged.conformance is None else probability(judged.conformance)
+
+
+def value_with_k(measured: Measurement | None) -> str:
+    """Return a value that a limit is held against, with its expanded uncertainty and the factor k of that."""
+    if measured is None:
+        return "not measured"
     uncertainty = measured.uncertainty
-    known = uncertainty is not None and math.isfinite(uncertainty.expanded) and uncertainty.expanded > 0.0
-    return f" ({uncertainty.k:.3g})" if known and uncertainty is not None else ""
+    if uncertainty is None or not 0.0 < uncertainty.expanded < math.inf:
+        return _value(measured)
+    return f"{_value(measured)} ({uncertainty.k:.3g})"
 
 
 def measurements_section(
@@ -118,7 +124,7 @@ def measurements_section(
             row.append(raw(published[each.name]) if each.name in published else "")
         if limited:
             judged = limits.get(each.name)
-            row += [judged.bounds, Cell(judged.verdict, judged.verdict)] if judged else ["", ""]
+            row += [bounds_of(judged.limit), verdict_cell(judged)] if judged else ["", ""]
         rows.append(tuple(row))
     return Section(title, (Grid.of(headings, rows),) if rows else (Text("None.", "note"),))
 

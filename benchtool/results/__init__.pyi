@@ -31,12 +31,16 @@ from .differences import (
     Kind as Kind,
     valued as valued,
 )
+from .judged_repetitions import (
+    JudgedTogether as JudgedTogether,
+)
 from .recordings import (
     Selection as Selection,
     assess_recording as assess_recording,
 )
 from .repetitions import (
     Repeated as Repeated,
+    judged_together as judged_together,
     over_repetitions as over_repetitions,
 )
 from .runs import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ from benchtool.errors import AnalysisError
 from benchtool.plan import (
     CaseReadings,
     Coordinates,
+    JudgedLimit,
     Limit,
     Missed,
     Plan,
@@ -37,11 +38,9 @@ from benchtool.plan import (
     case_named,
     default_limits,
     measure_reached,
-    missed,
     present_name,
     recorded_plan,
     targets,
-    without_uncertainty,
     worst,
 )
 from benchtool.profile import Motor
@@ -50,12 +49,13 @@ from benchtool.results.agreement import Disagreement, disagreements
 from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
+from benchtool.results.judged_repetitions import limits_alone
 from benchtool.results.regimes import Regime
 from benchtool.results.remeasurement import (
     perturbed_readings,
     remeasured,
 )
-from benchtool.results.repetitions import Repeated, limits_alone
+from benchtool.results.repetitions import Repeated, judged_together
 
 
 @dataclass(frozen=True)
@@ -159,47 +159,26 @@ class Assessment:
         """Every measurement by name, those of the certificate among them."""
         return {each.name: each for each in (*self.quality, *self.measurements)}
 
+    @cached_property
+    def judged(self) -> Mapping[str, JudgedLimit]:
+        """Each limit held against its measurement, by name; one on something that was not measured fails."""
+        found = self.found
+        return {name: JudgedLimit.of(name, limit, found.get(name)) for name, limit in self.limits.items()}
+
     @property
     def verdicts(self) -> Mapping[str, Verdict]:
-        """Verdict of each limit; a limit on something that was not measured fails."""
-        found = self.found
-        return {name: _verdict(limit, found.get(name)) for name, limit in self.limits.items()}
-
-    @property
-    def without_conformance(self) -> Mapping[str, str]:
-        """Why limits have no such probability, by name."""
-        lacking = (name for name in self.limits if name not in self.conformances)
-        return {name: without_uncertainty(self.found.get(name)) for name in lacking}
-
-    @property
-    def conformances(self) -> Mapping[str, float]:
-        """Probability that each limit is met, of those whose measurement has an uncertainty."""
-        found = ((name, limit, self.found.get(name)) for name, limit in self.limits.items())
-        known = (
-            (name, limit.conformance(each.value, each.uncertainty))
-            for name, limit, each in found
-            if each is not None
-        )
-        return {name: probability for name, probability in known if probability is not None}
+        """Verdict of each limit."""
+        return {name: each.verdict for name, each in self.judged.items()}
 
     @property
     def missed(self) -> tuple[Missed, ...]:
         """The limits that were not met and count, or were met within their margin only."""
-        return tuple(each for each in self._missed if not self._is_waived(each))
+        return tuple(told for each in self.judged.values() if (told := each.missed))
 
     @property
     def waived(self) -> tuple[Missed, ...]:
         """The limits that were not met, and are waived."""
-        return tuple(each for each in self._missed if self._is_waived(each))
-
-    @property
-    def _missed(self) -> tuple[Missed, ...]:
-        found = self.found
-        judged = (missed(name, limit, found.get(name)) for name, limit in self.limits.items())
-        return tuple(each for each in judged if each is not None)
-
-    def _is_waived(self, each: Missed) -> bool:
-        return self.limits[each.name].waived is not None and not each.verdict.met
+        return tuple(told for each in self.judged.values() if (told := each.waived))
 
     @property
     def disagreements(self) -> tuple[Disagreement, ...]:
@@ -231,7 +210,7 @@ class Assessment:
             "verdict_by_transducer": self.verdict_by_transducer,
             "missed": [str(each) for each in self.missed],
             "waived": {each.name: str(each) for each in self.waived},
-            "limits": {name: limit.to_json(self.found.get(name)) for name, limit in self.limits.items()},
+            "limits": {name: each.to_json() for name, each in self.judged.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
             "not_measured": {title: list(channels) for title, channels in self.without.items()},
@@ -243,10 +222,6 @@ class Assessment:
             document["source"] = self.recorded.source(self.capture)
         document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
-
-
-def _verdict(limit: Limit, measured: Measurement | None) -> Verdict:
-    return limit.judge(*((None, None) if measured is None else (measured.value, measured.uncertainty)))
 
 
 @dataclass(frozen=True)
@@ -263,8 +238,8 @@ class RunResult:
     @property
     def missed(self) -> tuple[tuple[str, Missed], ...]:
         """The limits over repetitions that were not met, each with its case."""
-        found = ((case, each.missed) for case, together in self.repeated.items() for each in together)
-        return tuple((case, each) for case, each in found if each is not None)
+        judged = judged_together(self.repeated)
+        return tuple((case, told) for case, each in judged if (told := each.missed))
 
     @property
     def overdue(self) -> tuple[Overdue, ...]:
@@ -273,14 +248,14 @@ class RunResult:
 
     @property
     def _verdict_together(self) -> Verdict:
-        return worst(each.counted for together in self.repeated.values() for each in together)
+        return worst(each.counted for _, each in judged_together(self.repeated))
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
         """As that of the cases; None where none has a transducer."""
         found = [each.verdict_by_transducer for each in self.assessments]
         known = [verdict for verdict in found if verdict is not None]
-        together = (each.verdict_by_transducer for found in self.repeated.values() for each in found)
+        together = (each.verdict_by_transducer for _, each in judged_together(self.repeated))
         return worst((*known, *together)) if known else None
 
     def to_json(self) -> dict[str, Any]:
@@ -329,7 +304,8 @@ def assess(
     try:
         answers, refusal = _answer(plan, motor, capture, transducer), ""
     except AnalysisError as refused:
-        if not any(missed(each.name, limits[each.name], each) for each in reached if each.name in limits):
+        held = (JudgedLimit.of(each.name, limits[each.name], each) for each in reached if each.name in limits)
+        if all(each.verdict is Verdict.PASS for each in held):
             raise
         # the operating point was not reached: that is the result, and nothing else is measured
         answers, refusal = _Answers(), str(refused)

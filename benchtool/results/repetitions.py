@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -15,14 +16,17 @@ from benchtool.analysis import (
     InstrumentError,
     Measurement,
     Uncertainty,
-    equally_likely,
 )
-from benchtool.plan import NAMES as REACHED, Case, Limit, Missed, Plan, Verdict, cases, missed
-from benchtool.results.agreement import Disagreement, disagreements, transducer_name
-from benchtool.telemetry import certificate_units
+from benchtool.plan import Limit, Plan, cases
+from benchtool.results.agreement import disagreements, transducer_name
+from benchtool.results.judged_repetitions import (
+    JudgedTogether,
+    limits_together,
+    without_value,
+    worst_of,
+)
 
 _ROUNDING = 1e-13  # relative: of a mean of equal numbers
-_ALIKE = equally_likely(64)  # errors in common
 
 
 @dataclass(frozen=True)
@@ -34,11 +38,7 @@ class Repeated:
     share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
     the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
     Of equal numbers, which no scatter tells of, it is that of a `single` one.
-    `limit` is the one that holds for them together and `judged` the value it applies to: by `judge` of the
-    plan the mean, or the worst repetition; None where the plan judges each, or where nothing was measured.
-    `of_all` is the probability that every repetition conforms, where the worst is judged and all have an
-    uncertainty.
-    `disagreement` is set where a transducer contradicts the judged value.
+    `judged` is the limit that holds for them together; None without one.
     """
 
     name: str
@@ -46,15 +46,11 @@ class Repeated:
     mean: float
     standard_uncertainty: float
     n: int
-    limit: Limit | None = None
-    judged: Measurement | None = None
     instruments: tuple[Contribution, ...] = ()
     power: tuple[Contribution, ...] = ()
     unshown: tuple[Contribution, ...] = ()
     single: Uncertainty | None = None
-    judge: Literal["each", "mean", "worst"] = "each"
-    of_all: float | None = None
-    disagreement: Disagreement | None = None
+    judged: JudgedTogether | None = None
 
     @property
     def uncertainty(self) -> Uncertainty | None:
@@ -88,57 +84,6 @@ class Repeated:
         """Standard uncertainty of the mean, what repetitions share in it; nan of fewer than two."""
         return math.nan if self.uncertainty is None else self.uncertainty.standard
 
-    @property
-    def verdict(self) -> Verdict:
-        """How the limit is met; `NONE` without one."""
-        if self.limit is None:
-            return Verdict.NONE
-        if self.judged is None:
-            return Verdict.FAIL
-        return self.limit.judge(self.judged.value, self.judged.uncertainty)
-
-    @property
-    def counted(self) -> Verdict:
-        """The verdict as it counts for the whole: none where the limit is not met, and waived."""
-        return self.verdict if self.limit is None else self.limit.counted(self.verdict)
-
-    @property
-    def verdict_by_transducer(self) -> Verdict:
-        """The verdict with the transducer's number where that contradicts the estimate, as it counts for the
-        whole."""
-        by_transducer = None if self.disagreement is None else self.disagreement.verdict
-        if self.limit is None or by_transducer is None:
-            return self.counted
-        return self.limit.counted(by_transducer)
-
-    @property
-    def missed(self) -> Missed | None:
-        """The limit that was not met and counts, or was met within its margin only; None without one."""
-        return None if self._is_waived else self._missed
-
-    @property
-    def waived(self) -> Missed | None:
-        """The limit that was not met, and is waived; None without one."""
-        return self._missed if self._is_waived else None
-
-    @property
-    def _missed(self) -> Missed | None:
-        return None if self.limit is None else missed(self.name, self.limit, self.judged, self.of_all)
-
-    @property
-    def _is_waived(self) -> bool:
-        return self.counted is not self.verdict
-
-    @property
-    def conformance(self) -> float | None:
-        """Probability that the limit is met, by all repetitions where the worst is judged; None without one,
-        or where the uncertainty is not known."""
-        if self.limit is None or self.judged is None:
-            return None
-        if self.judge == "worst":
-            return self.of_all
-        return self.limit.conformance(self.judged.value, self.judged.uncertainty)
-
     def to_json(self) -> dict[str, Any]:
         """Return the fields; nan becomes null."""
         document: dict[str, Any] = {
@@ -151,12 +96,10 @@ class Repeated:
             document["uncertainty"] = self.uncertainty.to_json()
         elif self.uncertainty_reason:
             document["uncertainty_reason"] = self.uncertainty_reason
-        if self.limit is not None:
-            document["limit"] = self.limit.to_json(self.judged, self.of_all)
-            if self.judge == "worst" and self.of_all is None and document["limit"].pop("conformance", None):
-                document["limit"]["conformance_reason"] = "the uncertainty of a repetition is not known"
-        if self.disagreement is not None:
-            document["disagreement"] = self.disagreement.to_json()
+        if self.judged is not None:
+            document["limit"] = self.judged.to_json()
+            if self.judged.disagreement is not None:
+                document["disagreement"] = self.judged.disagreement.to_json()
         return document
 
 
@@ -175,53 +118,57 @@ def over_repetitions(
     for case in cases(plan):
         groups.setdefault(case.group, []).append(measured.get(case.name, ()))
     return {
-        name: tuple(_together(group, plan.judge, limits_together(plan, name)))
+        name: tuple(_Group.of(group, plan).together(limits_together(plan, name)))
         for name, group in groups.items()
     }
 
 
-def limits_together(plan: Plan, group: str) -> dict[str, Limit]:
-    """Return the limits of a case that hold for all of its repetitions together, by `judge` of the plan."""
-    if plan.judge == "each":
-        return {}
-    each = {*REACHED, *certificate_units(stream=True)}
-    limits = {**plan.limits, **plan.case_limits.get(group, {})}
-    return {name: limit for name, limit in limits.items() if name not in each}
+def judged_together(
+    repeated: Mapping[str, Sequence[Repeated]],
+) -> Iterator[tuple[str, JudgedTogether]]:
+    """Yield every limit over repetitions, each with the name of its case."""
+    for case, together in repeated.items():
+        yield from ((case, each.judged) for each in together if each.judged is not None)
 
 
-def limits_alone(plan: Plan, case: Case) -> dict[str, Limit]:
-    """Return limits that a plan sets for one case by itself: for every case, for its group, for itself."""
-    together = limits_together(plan, case.group)
-    shared = {**plan.limits, **plan.case_limits.get(case.group, {})}
-    alone = {name: limit for name, limit in shared.items() if name not in together}
-    return alone | plan.case_limits.get(case.name, {})
+@dataclass(frozen=True)
+class _Group:
+    """What each of `count` repetitions of a case measured, by name, and what its limits apply to."""
 
+    found: Mapping[str, Sequence[Measurement]]
+    count: int
+    judge: Literal["each", "mean", "worst"]
 
-def _together(
-    group: Sequence[Sequence[Measurement]],
-    judge: Literal["each", "mean", "worst"],
-    limits: Mapping[str, Limit],
-) -> Iterator[Repeated]:
-    units = {each.name: each.unit for measurements in group for each in measurements}
-    done: dict[str, Repeated] = {}
-    for name in dict.fromkeys((*units, *limits)):
-        found = [each for measurements in group for each in measurements if each.name == name]
-        limit = limits.get(name)
-        together = replace(_mean_of(name, units.get(name, ""), found), limit=limit, judge=judge)
-        if limit is not None and found:
-            judged = _judged(together, found, len(group), judge == "mean")
-            of_all = _all_conform(limit, found) if judge == "worst" and together.n == len(group) else None
-            together = replace(together, judged=judged, of_all=of_all)
-        done[name] = together
-    for name, together in done.items():
-        limit, true = together.limit, done.get(transducer_name(name))
-        if limit is not None and together.judged is not None and true is not None:
-            on_shaft = [each for measurements in group for each in measurements if each.name == true.name]
-            shaft = _judged(replace(true, limit=limit), on_shaft, len(group), judge == "mean")
-            found_apart = disagreements((together.judged, shaft), {name: limit})
-            yield replace(together, disagreement=next(iter(found_apart), None))
-        else:
-            yield together
+    @classmethod
+    def of(cls, measured: Sequence[Sequence[Measurement]], plan: Plan) -> Self:
+        """Sort the measurements of all repetitions by their names."""
+        found: dict[str, list[Measurement]] = {}
+        for each in itertools.chain.from_iterable(measured):
+            found.setdefault(each.name, []).append(each)
+        return cls(found, len(measured), plan.judge)
+
+    def together(self, limits: Mapping[str, Limit]) -> Iterator[Repeated]:
+        """Yield every measurement and every limit over the repetitions."""
+        for name in dict.fromkeys((*self.found, *limits)):
+            together = _mean_of(name, self.found.get(name, ()))
+            yield replace(together, judged=self._judged(name, limits[name])) if name in limits else together
+
+    def _judged(self, name: str, limit: Limit) -> JudgedTogether:
+        """Hold a limit against the value that it applies to, and that against the transducer's."""
+        value, on_shaft = self._value(name, limit), self._value(transducer_name(name), limit)
+        held = JudgedTogether.of(name, limit, value)
+        if self.judge == "worst":
+            held = held.of_each(self.found.get(name, ()))
+        both = tuple(each for each in (value, on_shaft) if each is not None)
+        return replace(held, disagreement=next(iter(disagreements(both, {name: limit})), None))
+
+    def _value(self, name: str, limit: Limit) -> Measurement | None:
+        """Return the value that a limit on a measurement applies to; None where nothing was measured."""
+        if not (found := self.found.get(name)):
+            return None
+        if self.judge == "worst":
+            return worst_of(limit, found, self.count)
+        return _judged_mean(found, self.count)
 
 
 def _lines(each: Measurement) -> tuple[Contribution, ...]:
@@ -287,53 +234,22 @@ def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
         yield replace(same[0], standard=sum(line.standard for line in same) / len(known))
 
 
-def _judged(together: Repeated, found: Sequence[Measurement], count: int, of_mean: bool) -> Measurement:
-    """Return value that a limit over `count` repetitions applies to; undefined if one of them has none."""
-    limit, name, unit = together.limit, together.name, together.unit
-    assert limit is not None
-    definition = f"{'mean' if of_mean else 'worst'} of {count} repetitions"
-    if together.n < count:
-        reason = f"{count - together.n} of {count} repetitions have no value"
-        return Measurement.undefined(name, unit, definition, reason)
-    if of_mean:
-        judged = Measurement(
-            name,
-            together.mean,
-            unit,
-            definition,
-            uncertainty=together.uncertainty,
-            correction=_mean_correction(found),
-            uncertainty_reason=together.uncertainty_reason,
-        )
-        return replace(judged, in_common_band=_mean_in_band(found, judged))
-    order = list(Verdict)
-
-    def merit(each: Measurement) -> tuple[int, float]:
-        """Return the sort key of the worst repetition: verdict before distance, as with guard bands the
-        widest uncertainty may fail."""
-        return -order.index(limit.judge(each.value, each.uncertainty)), limit.headroom(each.value)
-
-    return replace(min(found, key=merit), definition=definition)
-
-
-def _all_conform(limit: Limit, found: Sequence[Measurement]) -> float | None:
-    """Return the probability that the true values of all repetitions meet a limit (JCGM 106:2012, 7); None
-    where one has no uncertainty.
-
-    Errors of instruments move all repetitions alike, and it is the mean over them. Others are taken as
-    independent, and it is the least that it may be where they are not (Slepian, Bell Syst. Tech. J. 41 (1962)
-    463).
-    """
-    own: list[tuple[float, float, Uncertainty]] = []
-    for each in found:
-        if each.uncertainty is None:
-            return None
-        shared = [line for line in each.uncertainty.budget if line.instrument is not None]
-        size = math.hypot(*(line.standard for line in shared))
-        moved = math.copysign(size, sum(line.sign * line.standard for line in shared))
-        own.append((each.value, moved, each.uncertainty.without(shared)))
-    chances = [[limit.conformance(value + by * moved, alone) for value, moved, alone in own] for by in _ALIKE]
-    return float(np.mean([math.prod(each or 0.0 for each in of_one) for of_one in chances]))
+def _judged_mean(found: Sequence[Measurement], count: int) -> Measurement:
+    """Return the mean of `count` repetitions as a limit applies to it; undefined if one of them has no
+    value."""
+    definition, together = f"mean of {count} repetitions", _mean_of(found[0].name, found)
+    if lacking := without_value(found, count):
+        return Measurement.undefined(together.name, together.unit, definition, lacking)
+    mean = Measurement(
+        together.name,
+        together.mean,
+        together.unit,
+        definition,
+        uncertainty=together.uncertainty,
+        correction=_mean_correction(found),
+        uncertainty_reason=together.uncertainty_reason,
+    )
+    return replace(mean, in_common_band=_mean_in_band(found, mean))
 
 
 def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurement | None:
@@ -341,7 +257,7 @@ def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurem
     narrow = [each.in_common_band for each in found if each.in_common_band is not None]
     if len(narrow) < len(found):
         return None
-    together = _mean_of(judged.name, judged.unit, narrow)
+    together = _mean_of(judged.name, narrow)
     basis = narrow[0].basis
     return Measurement(
         judged.name, together.mean, judged.unit, judged.definition, basis, together.uncertainty
@@ -356,14 +272,14 @@ def _mean_correction(found: Sequence[Measurement]) -> Correction | None:
     return Correction(sum(each.added for each in corrections) / len(found), corrections[0].of)
 
 
-def _mean_of(name: str, unit: str, found: Sequence[Measurement]) -> Repeated:
+def _mean_of(name: str, found: Sequence[Measurement]) -> Repeated:
     """Return mean and standard deviation of the mean of repetitions."""
     values = [each.value for each in found if math.isfinite(each.value)]
     mean = float(np.mean(values)) if values else math.nan
     spread = float(np.std(values, ddof=1)) if len(values) > 1 else math.nan
     return Repeated(
         name,
-        unit,
+        found[-1].unit if found else "",
         mean,
         spread / math.sqrt(len(values)) if values else math.nan,
         len(values),

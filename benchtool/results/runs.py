@@ -16,7 +16,7 @@ from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment, RunResult, assess_bundle
 from benchtool.results.recordings import Selection, assess_recording
-from benchtool.results.repetitions import Repeated, over_repetitions
+from benchtool.results.repetitions import Repeated, judged_together, over_repetitions
 from benchtool.results.tables import assess_table, is_table
 
 _MANIFEST = "manifest.json"
@@ -89,7 +89,7 @@ class RecordedRun:
 
     @property
     def verdict(self) -> Verdict:
-        together = (each.counted for group in self.repeated.values() for each in group)
+        together = (each.counted for _, each in judged_together(self.repeated))
         return worst((*(case.verdict for case in self.cases), *together))
 
     @property

@@ -11,10 +11,10 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
-from benchtool.analysis import Uncertainty
+from benchtool.analysis import Measurement, Uncertainty
 from benchtool.document import Array, Section, explain
 from benchtool.errors import RecordingError
-from benchtool.plan import Limit, Verdict, worst
+from benchtool.plan import JudgedLimit, Limit, Verdict, worst
 from benchtool.recording import Conditions, read_sealed_json, write_json
 
 SESSION: Final = "session.json"
@@ -66,9 +66,20 @@ class Judged(Section):
         return self.limit.judge(self.value, self.uncertainty)
 
     @property
+    def held(self) -> JudgedLimit:
+        """The limit held against the value."""
+        if self.value is None and not self.reason:
+            return JudgedLimit.of(self.name, self.limit, None)
+        value = math.nan if self.value is None else self.value
+        measured = Measurement(
+            self.name, value, self.unit, "", uncertainty=self.uncertainty, reason=self.reason
+        )
+        return JudgedLimit.of(self.name, self.limit, measured)
+
+    @property
     def conformance(self) -> float | None:
         """Probability that the true value lies within the limit; None without an uncertainty."""
-        return self.limit.conformance(self.value, self.uncertainty)
+        return self.held.conformance
 
     @property
     def complaint(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from benchtool.plan import Missed, Waived
 from benchtool.results.assessment import Assessment
-from benchtool.results.repetitions import Repeated
+from benchtool.results.repetitions import Repeated, judged_together
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,7 @@ def waived_limits(
     cases: Iterable[Assessment], repeated: Mapping[str, Sequence[Repeated]]
 ) -> Iterator[WaivedLimit]:
     """Yield those of each case, then those of the repetitions of cases together, by the case's name."""
-    found = [(case.case, each, case.limits[each.name]) for case in cases for each in case.waived]
-    found += [
-        (case, each.waived, each.limit)
-        for case, together in repeated.items()
-        for each in together
-        if each.waived is not None and each.limit is not None
-    ]
-    for case, each, limit in found:
-        if limit.waived is not None:
-            yield WaivedLimit(case, each, limit.waived)
+    alone = ((case.case, each) for case in cases for each in case.judged.values())
+    for case, each in (*alone, *judged_together(repeated)):
+        if each.waived is not None and each.limit.waived is not None:
+            yield WaivedLimit(case, each.waived, each.limit.waived)

@@ -11,7 +11,7 @@ from benchtool.protocol.dictionary import Dictionary, toml_key
 from benchtool.recording import Bundle, Manifest
 from benchtool.report import content
 from benchtool.report.assembly.figures import case_figures, panel_of
-from benchtool.report.assembly.marks import mark, picture
+from benchtool.report.assembly.pictures import picture
 from benchtool.report.assembly.recording import plan_of, recording_items
 from benchtool.report.content import Item, Picture, Section, Text
 from benchtool.report.figures.drawings import figure_names
@@ -26,7 +26,6 @@ from benchtool.report.provenance import (
     run_facts,
 )
 from benchtool.report.results import (
-    JudgedLimit,
     budgets_section,
     limits_section,
     measurements_section,
@@ -36,28 +35,15 @@ from benchtool.results import Assessment, RecordedCase
 from benchtool.shipped import shipped
 
 
-def case_limits(result: Assessment) -> dict[str, JudgedLimit]:
-    """Return the limits of a case as they are printed."""
-    return {
-        name: JudgedLimit(
-            limit,
-            mark(result.verdicts[name]),
-            result.conformances.get(name),
-            result.without_conformance.get(name, ""),
-        )
-        for name, limit in result.limits.items()
-    }
-
-
 def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
     """Yield what one case shows and measured; with its limits and remarks, unless it stands `alone` and the
     first page has these. A `brief` one has the first of its figures and no tables, which lie in its
     bundle."""
     result = case.assessment
-    limits = {} if result is None else case_limits(result)
+    limits = {} if result is None else result.judged
     if result is not None and not alone:
         if result.recorded is None:  # a recording has no plan that could set any
-            yield limits_section((*result.measurements, *result.quality), limits)
+            yield limits_section(limits.values())
         yield from remarks(result)
         yield from (Text(f"{text}.", "note") for text in unmeasured(case))
         yield from recording_items(result)
@@ -75,7 +61,7 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
 def case_appendix(case: RecordedCase, *, alone: bool = True, brief: bool = False) -> Iterator[Item]:
     """Yield what is looked up: quality of the data, budgets of uncertainty, events, every channel; with the
     drive, the plan and the profile, if the case stands `alone`."""
-    limits = {} if case.assessment is None else case_limits(case.assessment)
+    limits = {} if case.assessment is None else case.assessment.judged
     yield quality_section(case.bundle, limits)
     if brief:
         return

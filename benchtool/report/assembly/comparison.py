@@ -13,11 +13,11 @@ from benchtool.recording import Bundle, Manifest, read_manifest
 from benchtool.report.assembly.comparison_front import comparison_front, difference
 from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.front import fingerprint
-from benchtool.report.assembly.marks import mark, picture, read_already
+from benchtool.report.assembly.pictures import picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.figures.drawings import comparable, draw_side_by_side
 from benchtool.report.provenance import files_section, supervision_notes
-from benchtool.report.results import measurement_notes
+from benchtool.report.results import mark, measurement_notes
 from benchtool.results import Assessment, Comparison, Delta, Differences, Kind, valued
 
 _MOST_PANELS = 9

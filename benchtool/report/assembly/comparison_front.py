@@ -12,9 +12,9 @@ from benchtool.plan import Verdict, worst
 from benchtool.recording import Manifest
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, equipment, motor_rating
-from benchtool.report.assembly.marks import mark
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of
+from benchtool.report.results import mark
 from benchtool.results import Assessment, Comparison, Delta, Differences, Kind
 
 _MOST_TOLD: Final = 14

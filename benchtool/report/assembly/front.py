@@ -4,23 +4,23 @@ run, and what casts doubt on any of it."""
 from __future__ import annotations
 
 import hashlib
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import NOTHING, Measurement, number, raw, with_expanded
+from benchtool.analysis import number, raw
 from benchtool.block import Block
-from benchtool.plan import Limit, Verdict, worst
+from benchtool.plan import JudgedLimit, Verdict, worst
 from benchtool.profile import Bench, Profile
 from benchtool.recording import MANIFEST, Bundle, Manifest, hash_of
 from benchtool.report import content
-from benchtool.report.assembly.case import case_limits, coordinates, failure, remarks, unmeasured
-from benchtool.report.assembly.marks import mark
+from benchtool.report.assembly.case import coordinates, failure, remarks, unmeasured
 from benchtool.report.assembly.recording import recording_items
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of, settings_line, supervision_notes
-from benchtool.report.results import JudgedLimit, bounds_of, limits_section
-from benchtool.results import Assessment, RecordedCase, RecordedRun, overdue_text, waived_limits
+from benchtool.report.results import bounds_of, limits_section, mark, value_with_k, verdict_cell
+from benchtool.results import RecordedCase, RecordedRun, judged_together, overdue_text, waived_limits
 
 _WORDS: Final[dict[Verdict, str]] = {
     Verdict.NONE: "No limits",
@@ -37,7 +37,7 @@ _MOST_TOLD = 6  # cases whose remarks stand on the first page
 def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     """Yield what stands on the first page of the report of these runs."""
     found = [case for run in runs for case in run.cases]
-    together = [each.verdict for run in runs for group in run.repeated.values() for each in group]
+    together = [each.verdict for run in runs for _, each in judged_together(run.repeated)]
     shaft = worst(by for run in runs if (by := run.verdict_by_transducer) is not None)
     yield banner(worst(run.verdict for run in runs), shaft, found, together)
     yield from supervision_notes(case.bundle.manifest for case in found)
@@ -50,7 +50,7 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     if len(found) == 1:
         result = found[0].assessment
         if result is not None and result.recorded is None:  # a recording has no plan that could set any
-            yield limits_section((*result.measurements, *result.quality), case_limits(result))
+            yield limits_section(result.judged.values())
     elif not all(case.assessment and case.assessment.recorded for case in found):
         yield _judged_together(runs)
     if (requirements := requirements_section(runs)) is not None:
@@ -65,7 +65,7 @@ def banner(
     """Return the outcome of all limits, of each case and of repetitions `together`; `shaft` is the
     verdict by the transducer, `NONE` without one."""
     limits = [each for case in found if case.assessment for each in case.assessment.verdicts.values()]
-    limits += [each for each in together if each is not Verdict.NONE]
+    limits += together
     failures = [case for case in found if case.failure]
     parts = []
     if limits:
@@ -193,8 +193,7 @@ def _warnings(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Ite
     told += [
         f"{group} over its repetitions: {each.missed}"
         for run in runs
-        for group, all_of_it in run.repeated.items()
-        for each in all_of_it
+        for group, each in judged_together(run.repeated)
         if each.missed
     ]
     yield from (Text(f"{text[0].upper()}{text[1:]}.", "warning") for text in told[:_MOST_TOLD])
@@ -251,24 +250,20 @@ def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
     """Return each requirement that the plans and their limits are evidence for, with its worst verdict; None
     without any."""
     found: dict[str, list[tuple[str, Verdict]]] = {}
-    held: list[tuple[str, str, Limit, Verdict]] = []
+    held: list[tuple[str, JudgedLimit]] = []
     for run in runs:
         for case in run.cases:
             result = case.assessment
             of_plan = case.bundle.manifest.details.get("plan", {}).get("requirements", ())
             for requirement in of_plan:
                 found.setdefault(str(requirement), []).append((case.name, case.verdict))
-            for name, limit in () if result is None else result.limits.items():
-                verdict = result.verdicts[name] if result is not None else Verdict.NONE
-                held.append((case.name, name, limit, verdict))
-        for group, together in run.repeated.items():
-            held += [(group, each.name, each.limit, each.verdict) for each in together if each.limit]
-    for place, name, limit, verdict in held:
-        if limit.requirement:
-            waived = " (waived)" if limit.counted(verdict) is Verdict.NONE else ""
-            found.setdefault(limit.requirement, []).append(
-                (f"{place}: {name}{waived}", limit.counted(verdict))
-            )
+            held += [] if result is None else [(case.name, each) for each in result.judged.values()]
+        held += judged_together(run.repeated)
+    for place, each in held:
+        if each.limit.requirement:
+            waived = " (waived)" if each.waived else ""
+            one = f"{place}: {each.name}{waived}", each.counted
+            found.setdefault(each.limit.requirement, []).append(one)
     if not found:
         return None
     rows = []
@@ -303,43 +298,36 @@ def _judged_together(runs: Sequence[RecordedRun]) -> Section:
 
 
 def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
-    judged: dict[tuple[str, str], list[tuple[Assessment, str, JudgedLimit]]] = {}
+    by_rule: dict[tuple[str, str], list[tuple[str, JudgedLimit]]] = {}
     for case in run.cases:
         if case.assessment is not None:
-            for name, one in case_limits(case.assessment).items():
-                judged.setdefault((name, one.limit.rule), []).append((case.assessment, name, one))
-    for (name, rule), found in judged.items():
-        result, _, nearest = max(found, key=_badness)
-        measured = result.found.get(name)
-        value = "not measured" if measured is None else _with_k(measured)
-        left = NOTHING if measured is None else number(nearest.limit.headroom(measured.value), 3)
-        limits = {each.bounds for _, _, each in found}
-        verdict = worst(each.verdicts[name] for each, _, _ in found)
-        count = Counter(str(each.verdicts[name]) for each, _, _ in found)
+            for name, one in case.assessment.judged.items():
+                by_rule.setdefault((name, one.limit.rule), []).append((case.assessment.case, one))
+    for found in by_rule.values():
+        case_name, nearest = max(found, key=_badness)
+        bounds = {bounds_of(each.limit) for _, each in found}
+        limit = bounds_of(nearest.limit) if len(bounds) == 1 else f"{bounds_of(nearest.limit)}, and others"
+        verdict = worst(each.verdict for _, each in found)
+        count = Counter(str(each.verdict) for _, each in found)
         text = ", ".join(f"{number_of} {verdict_of}" for verdict_of, number_of in count.items())
-        limit = next(iter(limits)) if len(limits) == 1 else f"{nearest.bounds}, and others"
-        yield f"{prefix}{name}", limit, rule, value, result.case, left, Cell(text, mark(verdict))
-    for group, together in run.repeated.items():
-        for each in together:
-            if each.limit is not None:
-                value = "not measured" if each.judged is None else _with_k(each.judged)
-                what = "" if each.judged is None else f" ({each.judged.definition})"
-                verdict_ = Cell(str(each.verdict), mark(each.verdict))
-                left = NOTHING if each.judged is None else number(each.limit.headroom(each.judged.value), 3)
-                yield (
-                    *(f"{prefix}{each.name}", f"{bounds_of(each.limit)}{what}", each.limit.rule),
-                    *(value, group, left, verdict_),
-                )
+        yield _row_of(prefix, case_name, nearest, limit, Cell(text, mark(verdict)))
+    for group, each in judged_together(run.repeated):
+        what = "" if each.measured is None else f" ({each.measured.definition})"
+        yield _row_of(prefix, group, each, f"{bounds_of(each.limit)}{what}", verdict_cell(each))
 
 
-def _badness(judged: tuple[Assessment, str, JudgedLimit]) -> tuple[int, float]:
+def _row_of(
+    prefix: str, place: str, judged: JudgedLimit, limit: str, verdict: Cell
+) -> tuple[str | Cell, ...]:
+    unit = "" if judged.measured is None else f" {judged.measured.unit}".rstrip()
+    return (
+        *(f"{prefix}{judged.name}", limit, judged.limit.rule, f"{value_with_k(judged.measured)}{unit}"),
+        *(place, number(judged.headroom, 3), verdict),
+    )
+
+
+def _badness(found: tuple[str, JudgedLimit]) -> tuple[int, float]:
     """Return the verdict, then how little room is left."""
-    result, name, found = judged
-    measured = result.found.get(name)
-    room = -float("inf") if measured is None else found.limit.headroom(measured.value)
-    return list(Verdict).index(result.verdicts[name]), -room
-
-
-def _with_k(measured: Measurement) -> str:
-    k = "" if measured.uncertainty is None else f" ({measured.uncertainty.k:.3g})"
-    return f"{with_expanded(measured.value, measured.uncertainty)}{k} {measured.unit}".rstrip()
+    _, judged = found
+    room = -math.inf if judged.measured is None else judged.headroom
+    return list(Verdict).index(judged.verdict), -room

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from benchtool.analysis import NOTHING, catalogue, probability, raw, with_expanded
+from benchtool.analysis import NOTHING, catalogue, raw, with_expanded
 from benchtool.plan import Plan, Verdict
 from benchtool.report.assembly.case import case_appendix, case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
-from benchtool.report.assembly.marks import mark, picture
+from benchtool.report.assembly.pictures import picture
 from benchtool.report.assembly.recording import plan_of
 from benchtool.report.content import Cell, Grid, Item, Section, Text
-from benchtool.report.results import bounds_of
+from benchtool.report.results import bounds_of, conformance_of, mark
 from benchtool.results import RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
@@ -84,12 +84,12 @@ def _over_repetitions(run: RecordedRun, names: Sequence[str]) -> Iterator[Item]:
         (case, *_repeated_row(each))
         for case, together in run.repeated.items()
         for each in together
-        if each.name in names or each.limit is not None
+        if each.name in names or each.judged
     ]
     yield Section("Over the repetitions", (Grid.of(("case", *_REPEATED), rows),))
     for case, together in run.repeated.items():
         grid = Grid.of(_REPEATED, [_repeated_row(each) for each in together])
-        missed = (each.missed for each in together)
+        missed = (each.judged.missed for each in together if each.judged)
         told = (Text(f"{str(each.verdict).capitalize()}: {each}.", "warning") for each in missed if each)
         yield Section(f"{case} over its repetitions", (grid, *told), folded=True, paper=False)
 
@@ -97,11 +97,11 @@ def _over_repetitions(run: RecordedRun, names: Sequence[str]) -> Iterator[Item]:
 def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
     """Return a measurement over its repetitions, and the verdict on their common limit."""
     row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
-    if each.limit is None:
+    if (judged := each.judged) is None:
         return (*row, "", "")
-    what = "" if each.judged is None else f" ({each.judged.definition}; {each.limit.rule})"
-    P = "" if each.conformance is None else f", P {probability(each.conformance)}"
-    return (*row, f"{bounds_of(each.limit)}{what}", Cell(f"{each.verdict}{P}", mark(each.verdict)))
+    what = "" if judged.measured is None else f" ({judged.measured.definition}; {judged.limit.rule})"
+    P = "" if judged.conformance is None else f", P {conformance_of(judged)}"
+    return (*row, f"{bounds_of(judged.limit)}{what}", Cell(f"{judged.verdict}{P}", mark(judged.verdict)))
 
 
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:

@@ -8,11 +8,12 @@ from typing import Final
 
 from benchtool.report.assembly.case import case_appendix, case_facts, case_items
 from benchtool.report.assembly.front import fingerprint, front_items
-from benchtool.report.assembly.marks import mark, read_already
+from benchtool.report.assembly.pictures import read_already
 from benchtool.report.assembly.plan import plan_appendix, plan_items
 from benchtool.report.assembly.table import table_report
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section
 from benchtool.report.provenance import files_section
+from benchtool.report.results import mark
 from benchtool.results import RecordedCase, RecordedRun, is_table
 
 _TOGETHER: Final = {

@@ -7,19 +7,18 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from benchtool.analysis import NOTHING, number, probability, raw, with_expanded
+from benchtool.analysis import NOTHING, number, raw
 from benchtool.errors import RecordingError
 from benchtool.plan import Verdict
 from benchtool.profile import Profile
 from benchtool.recording import hash_of, reading
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, equipment, motor_rating
-from benchtool.report.assembly.marks import mark
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Picture, Report, Section, Signatures, Text
 from benchtool.report.figures.session import figure_of_png
 from benchtool.report.figures.trend import Point, Trend, draw_trend
 from benchtool.report.provenance import drive_numbers, profile_of_text
-from benchtool.report.results import bounds_of
+from benchtool.report.results import bounds_of, conformance_of, mark, value_with_k
 from benchtool.results import SESSION, Judged, Outcome, SessionRecord, SuiteScore, TestRecord, values_of
 
 _UNSTATED: Final = "not stated"
@@ -286,13 +285,11 @@ def _judged_grid(judged: Sequence[Judged]) -> Grid:
 
 
 def _judged_row(each: Judged) -> tuple[str | Cell, ...]:
-    U, chance = each.uncertainty, each.conformance
-    k = "" if U is None else f" ({U.k:.3g})"
-    value = each.reason or "not measured" if each.value is None else f"{with_expanded(each.value, U)}{k}"
+    value = each.reason or "not measured" if each.value is None else value_with_k(each.held.measured)
     verdict = Verdict(each.verdict)
     return (
         *(each.name, value, each.unit, bounds_of(each.limit), each.limit.rule),
-        NOTHING if chance is None else probability(chance),
+        conformance_of(each.held),
         Cell(str(verdict), mark(verdict)),
     )
 

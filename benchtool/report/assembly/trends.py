@@ -84,10 +84,10 @@ def _alone(result: Assessment, name: str, x: float | str) -> Point | None:
 
 
 def _mean(together: Repeated, members: Sequence[Assessment], x: float | str) -> Point:
-    limit = together.limit or members[0].limits.get(together.name)
+    judged = together.judged or members[0].judged.get(together.name)
     expanded = math.nan if together.uncertainty is None else together.uncertainty.expanded
     single = tuple(each.value for each in _values(members, together.name))
-    return Point(x, together.mean, expanded, single, *_bounds(limit))
+    return Point(x, together.mean, expanded, single, *_bounds(None if judged is None else judged.limit))
 
 
 def _values(results: Sequence[Assessment], name: str) -> Iterator[Measurement]:

@@ -107,7 +107,8 @@ def repeated(judge: str, limit: Limit, values: Floats, standard: float | None) -
         for case, value in zip(cases(plan), values.tolist(), strict=True)
     }
     ((found,),) = over_repetitions(plan, measured).values()
-    return found.verdict
+    assert found.judged is not None
+    return found.judged.verdict
 
 
 def test_means_of_repetitions_at_a_limit_pass_one_time_in_forty() -> None:

@@ -12,7 +12,8 @@ from pydantic import ValidationError
 from scipy import stats
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.plan.limits import Limit, Missed, Verdict, missed, worst
+from benchtool.plan.judged import JudgedLimit, Missed
+from benchtool.plan.limits import Limit, Verdict, worst
 
 ITEMS = 100_000
 
@@ -45,7 +46,8 @@ def test_a_guard_band_of_unknown_width_fails(unknown: Uncertainty | None) -> Non
     assert Limit(max=2.0, margin="U").judge(0.0, unknown) is Verdict.FAIL
     assert Limit(max=2.0).judge(0.0, unknown) is Verdict.PASS  # simple acceptance asks for none
     assert Limit(max=2.0).conformance(0.0, unknown) is None
-    told = missed("x", Limit(max=2.0, margin="U"), Measurement("x", 0.0, "Nm", "", uncertainty=unknown))
+    measured = Measurement("x", 0.0, "Nm", "", uncertainty=unknown)
+    told = JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed
     assert 'its uncertainty is not known, which margin = "U" of its limit ≤ 2 needs' in str(told)
 
 
@@ -96,11 +98,11 @@ def test_conformance_is_975_permille_at_the_edge_of_the_guard_band(
 
 def test_the_rule_is_stated() -> None:
     measured = Measurement("x", 1.95, "Nm", "", uncertainty=Uncertainty(0.05, ""))
-    document = Limit(max=2.0, margin="U").to_json(measured)
+    document = JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).to_json()
     assert (document["margin"], document["verdict"]) == ("U", "undecided")
     assert document["rule"] == "guard band U (95 %)"
     assert document["conformance"] == pytest.approx(stats.norm.cdf(1.0))
-    assert Limit(max=2.0).to_json(None) == {
+    assert JudgedLimit.of("x", Limit(max=2.0), None).to_json() == {
         "max": 2.0,
         "margin": 0.0,
         "rule": "simple acceptance",
@@ -108,7 +110,7 @@ def test_the_rule_is_stated() -> None:
         "conformance_reason": "it was not measured",
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
-    assert str(missed("x", Limit(max=2.0, margin="U"), measured)) == (
+    assert str(JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed) == (
         "x is 1.95 Nm, 0.05 inside its limit ≤ 2, U = 0.098 (k = 1.96), probability of conformance 0.841"
     )
 
@@ -164,7 +166,7 @@ def test_a_key_states_the_unit_and_no_two_may_differ() -> None:
 def test_a_limit_without_a_probability_says_why(
     measured: Measurement | None, reason: str, margin: float | Literal["U"]
 ) -> None:
-    document = Limit(max=2.0, margin=margin).to_json(measured)
+    document = JudgedLimit.of("x", Limit(max=2.0, margin=margin), measured).to_json()
     assert document["conformance_reason"] == reason
     assert "conformance" not in document
 
@@ -175,6 +177,10 @@ def test_a_limit_without_a_probability_says_why(
         (Limit(max=2.0), None, Verdict.FAIL, "was not measured, ≤ 2 is asked for"),
         (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 is asked for"),
         (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.95 Nm, within 0.1 of its limit ≤ 2"),
+        (
+            Limit(min=1.0, max=2.0, margin=0.1),
+            *(1.95, Verdict.MARGINAL, "is 1.95 Nm, within 0.1 of its limit ≥ 1, ≤ 2"),
+        ),
         (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.5 Nm, at most 2 is allowed: 0.5 too much"),
         (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.5 Nm, at least 2 is asked for: 0.5 too little"),
     ],
@@ -182,13 +188,22 @@ def test_a_limit_without_a_probability_says_why(
 def test_a_limit_that_was_missed_says_by_how_much(
     limit: Limit, value: float | None, verdict: Verdict, reason: str
 ) -> None:
-    found = missed("x", limit, None if value is None else Measurement("x", value, "Nm", "of x"))
+    measured = None if value is None else Measurement("x", value, "Nm", "of x")
+    found = JudgedLimit.of("x", limit, measured).missed
     assert found == Missed("x", verdict, reason)
     assert str(found) == f"x {reason}"
 
 
+@pytest.mark.parametrize(("value", "told"), [(1.99, "0.579"), (2.5, "< 0.001")])
+def test_a_missed_guard_band_says_a_probability_as_tables_do(value: float, told: str) -> None:
+    """It was 0.000 here, and < 0.001 in the table."""
+    measured = Measurement("x", value, "Nm", "", uncertainty=_U(0.098))
+    found = JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed
+    assert str(found).endswith(f"probability of conformance {told}")
+
+
 def test_a_limit_that_was_met_is_not_missed() -> None:
-    assert missed("x", Limit(max=2.0), Measurement("x", 2.0, "Nm", "")) is None
+    assert JudgedLimit.of("x", Limit(max=2.0), Measurement("x", 2.0, "Nm", "")).told is None
 
 
 def test_a_limit_is_a_table_or_one_already() -> None:

@@ -17,7 +17,7 @@ from benchtool.plan.model import load_plan
 from benchtool.plan.rated import for_motor
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile, profile_path
-from benchtool.results.repetitions import limits_alone
+from benchtool.results.judged_repetitions import limits_alone
 from benchtool.shipped import shipped
 
 PROFILE, DICTIONARY = load_profile("zhu2011"), dictionary_of("zhu2011")

@@ -15,7 +15,7 @@ from reportlab.pdfbase.ttfonts import TTFont
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.numbers import stated
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
-from benchtool.plan import Limit
+from benchtool.plan import JudgedLimit, Limit
 from benchtool.report.content import (
     Cell,
     Facts,
@@ -35,7 +35,6 @@ from benchtool.report.html import html_page
 from benchtool.report.images import MOST_SVG_BYTES, data_uri
 from benchtool.report.pdf.document import pdf_document
 from benchtool.report.results import (
-    JudgedLimit,
     basis_text,
     budgets_section,
     limits_section,
@@ -205,7 +204,7 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
         "current_thd_f", 1.838, "%", "harmonics over it", BASIS, Uncertainty(0.0123, "noise floor")
     )
     other = Measurement.undefined("plain", "A", "a mean", "no channel")
-    bounds = JudgedLimit(Limit(max=2.0, margin=0.5), "marginal")
+    bounds = JudgedLimit.of("current_thd_f", Limit(max=2.0, margin=0.5), measured)
     section = measurements_section("M", [measured, other], {"current_thd_f": bounds}, {"current_thd_f": 1.5})
     (grid,) = section.items
     assert isinstance(grid, Grid)
@@ -245,22 +244,22 @@ def test_the_appendix_has_k_degrees_of_freedom_and_the_budget_of_each_uncertaint
 
 
 @pytest.mark.parametrize(
-    ("bounds", "value", "left"),
+    ("limit", "value", "left"),
     [
-        (JudgedLimit(Limit(max=0.06), "pass"), 0.05, "0.0100 (17 %)"),
-        (JudgedLimit(Limit(min=1.0, max=4.0), "pass"), 1.5, "0.500 (50 %)"),
-        (JudgedLimit(Limit(max=2.0), "fail"), 2.5, "−0.500 (−25 %)"),
-        (JudgedLimit(Limit(max=0.0), "pass"), 0.0, "0"),
+        (Limit(max=0.06), 0.05, "0.0100 (17 %)"),
+        (Limit(min=1.0, max=4.0), 1.5, "0.500 (50 %)"),
+        (Limit(max=2.0), 2.5, "−0.500 (−25 %)"),
+        (Limit(max=0.0), 0.0, "0"),
     ],
 )
-def test_the_margin_left_is_to_the_nearer_bound(bounds: JudgedLimit, value: float, left: str) -> None:
-    grid, *_ = limits_section([Measurement("x", value, "Nm", "")], {"x": bounds}).items
+def test_the_margin_left_is_to_the_nearer_bound(limit: Limit, value: float, left: str) -> None:
+    grid, *_ = limits_section([JudgedLimit.of("x", limit, Measurement("x", value, "Nm", ""))]).items
     assert isinstance(grid, Grid)
     assert grid.rows[0][5].text == left
 
 
 def test_a_limit_on_what_was_not_measured_says_so() -> None:
-    grid, *_ = limits_section([], {"x": JudgedLimit(Limit(max=1.0), "fail")}).items
+    grid, *_ = limits_section([JudgedLimit.of("x", Limit(max=1.0), None)]).items
     assert isinstance(grid, Grid)
     assert [cell.text for cell in grid.rows[0]] == [
         "x",
@@ -275,8 +274,8 @@ def test_a_limit_on_what_was_not_measured_says_so() -> None:
 
 
 def test_a_limit_without_a_probability_of_conformance_says_why() -> None:
-    bounds = JudgedLimit(Limit(max=1.0), "pass", no_conformance="its uncertainty is not known")
-    *_, note = limits_section([Measurement("x", 0.5, "Nm", "")], {"x": bounds}).items
+    held = JudgedLimit.of("x", Limit(max=1.0), Measurement("x", 0.5, "Nm", ""))
+    *_, note = limits_section([held]).items
     assert isinstance(note, Text)
     assert note.text == "No P of x: its uncertainty is not known."
 

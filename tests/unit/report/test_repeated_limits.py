@@ -11,7 +11,7 @@ from benchtool.plan import Limit, Verdict, Waived
 from benchtool.report.assembly.front import _judged_together, _not_run, requirements_section
 from benchtool.report.assembly.plan import _repeated_row
 from benchtool.report.content import Cell, Grid, Section
-from benchtool.results import RecordedRun, Repeated
+from benchtool.results import JudgedTogether, RecordedRun, Repeated
 
 LIMIT = Limit(max=1.0, requirement="SRS-12", margin="U")
 WORST = Measurement("torque_mean", 1.2, "Nm", "worst of 3 repetitions", uncertainty=Uncertainty(0.05, ""))
@@ -19,8 +19,8 @@ WORST = Measurement("torque_mean", 1.2, "Nm", "worst of 3 repetitions", uncertai
 
 def _run(limit: Limit) -> RecordedRun:
     run = RecordedRun("", Path(), ())
-    judged = Repeated("torque_mean", "Nm", 0.9, 0.1, 3, limit, WORST, judge="worst", of_all=3.2e-5)
-    run.__dict__["repeated"] = {"case": (judged,)}
+    judged = JudgedTogether("torque_mean", limit, WORST, 3.2e-5, judge="worst")
+    run.__dict__["repeated"] = {"case": (Repeated("torque_mean", "Nm", 0.9, 0.1, 3, judged=judged),)}
     return run
 
 
@@ -61,6 +61,7 @@ def test_a_waived_limit_on_repetitions_is_told_as_such() -> None:
     ((row),) = _texts(Section("", tuple(_not_run([run], []))))
     assert row[:4] == ["torque_mean", "case", "a prototype", "ann"]
     (judged,) = run.repeated["case"]
-    assert judged.missed is None
-    assert judged.waived is not None
-    assert judged.waived.verdict is Verdict.FAIL
+    assert judged.judged is not None
+    assert judged.judged.missed is None
+    assert judged.judged.waived is not None
+    assert judged.judged.waived.verdict is Verdict.FAIL

@@ -18,7 +18,7 @@ from benchtool.report.assembly.trends import trend_names, trend_of
 from benchtool.report.figures.labels import channel_label, measurement_label, swept_label
 from benchtool.report.figures.trend import REPETITION, Point, Trend, draw_trend
 from benchtool.results.assessment import Assessment
-from benchtool.results.repetitions import limits_alone
+from benchtool.results.judged_repetitions import limits_alone
 
 CAPTURE = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((10, 1)))
 

@@ -10,7 +10,7 @@ import pytest
 
 from benchtool.analysis import Correction, Measurement, Uncertainty
 from benchtool.block import Block
-from benchtool.plan.limits import Limit, Verdict, missed
+from benchtool.plan.limits import Limit, Verdict
 from benchtool.profile import Bench, Sensor
 from benchtool.results.agreement import disagreements
 from benchtool.results.block_result import analyze_block
@@ -67,21 +67,6 @@ def test_any_pair_of_names_is_compared(
     pair = (_number("anything", 1.0, own), _number("transducer_anything", 1.0 + difference, true))
     assert bool(disagreements(pair, {})) is told
     assert all(each.verdict is None for each in disagreements(pair, {}))
-
-
-def test_what_was_missed_says_the_bound_and_by_how_much() -> None:
-    limit = Limit(min=1.0, max=2.0, margin=0.1)
-    assert missed("x", limit, _number("x", 1.5)) is None
-    assert str(missed("x", limit, _number("x", 2.25))) == (
-        "x is 2.25 Nm, at most 2 is allowed: 0.25 too much"
-    )
-    assert str(missed("x", limit, _number("x", 0.5))) == (
-        "x is 0.5 Nm, at least 1 is asked for: 0.5 too little"
-    )
-    assert str(missed("x", limit, _number("x", 1.95))) == "x is 1.95 Nm, within 0.1 of its limit ≥ 1, ≤ 2"
-    assert str(missed("x", limit, None)) == "x was not measured, ≥ 1, ≤ 2 is asked for"
-    undefined = Measurement.undefined("x", "Nm", "a number", "nothing tells it")
-    assert str(missed("x", limit, undefined)) == ("x is undefined (nothing tells it), ≥ 1, ≤ 2 is asked for")
 
 
 def _shaft(rate_Hz: float, lag_Hz: float, highest_Hz: float, factor: float = 1.0) -> Block:

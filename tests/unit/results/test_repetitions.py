@@ -17,7 +17,8 @@ from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict, Waived
 from benchtool.plan.model import Plan, Sweep
 from benchtool.results.assessment import RunResult
-from benchtool.results.repetitions import Repeated, _all_conform, limits_together, over_repetitions
+from benchtool.results.judged_repetitions import JudgedTogether, _all_conform, limits_together
+from benchtool.results.repetitions import Repeated, over_repetitions
 
 
 def _plan(repetitions: int) -> Plan:
@@ -72,7 +73,7 @@ def test_one_repetition_says_nothing() -> None:
     assert "repeated" not in RunResult(()).to_json()
 
 
-def _judged(judge: str, values: Sequence[float], *, standard: float = 0.0, limit: Limit) -> Repeated:
+def _repeated(judge: str, values: Sequence[float], *, standard: float = 0.0, limit: Limit) -> Repeated:
     plan = Plan.model_validate(
         _plan(len(values)).model_dump() | {"judge": judge, "sweep": {}, "limits": {"torque_mean": limit}}
     )
@@ -85,19 +86,25 @@ def _judged(judge: str, values: Sequence[float], *, standard: float = 0.0, limit
     return found
 
 
+def _judged(judge: str, values: Sequence[float], *, standard: float = 0.0, limit: Limit) -> JudgedTogether:
+    judged = _repeated(judge, values, standard=standard, limit=limit).judged
+    assert judged is not None
+    return judged
+
+
 def test_the_mean_of_repetitions_is_judged_with_its_own_uncertainty() -> None:
     values = [0.9, 1.0, 1.1, 1.0]
     found = _judged("mean", values, standard=9.0, limit=Limit(max=1.2, margin="U"))
     u = float(np.std(values, ddof=1)) / 2.0
-    assert found.judged is not None
-    assert found.judged.uncertainty is not None
-    assert found.judged.uncertainty.standard == pytest.approx(u)
-    assert found.judged.uncertainty.dof == 3.0
-    assert found.judged.uncertainty.expanded == pytest.approx(3.182 * u, rel=1e-3)
+    assert found.measured is not None
+    assert found.measured.uncertainty is not None
+    assert found.measured.uncertainty.standard == pytest.approx(u)
+    assert found.measured.uncertainty.dof == 3.0
+    assert found.measured.uncertainty.expanded == pytest.approx(3.182 * u, rel=1e-3)
     assert found.verdict is Verdict.PASS
     assert _judged("mean", values, limit=Limit(max=1.1, margin="U")).verdict is Verdict.UNDECIDED
     assert _judged("mean", values, limit=Limit(max=1.05)).verdict is Verdict.PASS  # 1.1 alone would fail
-    document = _judged("mean", values, limit=Limit(max=1.05)).to_json()["limit"]
+    document = _repeated("mean", values, limit=Limit(max=1.05)).to_json()["limit"]
     assert (document["verdict"], document["rule"]) == ("pass", "simple acceptance")
     assert document["conformance"] == pytest.approx(float(stats.t.cdf(0.05 / u, 3)))
 
@@ -130,7 +137,8 @@ def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> N
     assert found[0].uncertainty.standard == pytest.approx(math.hypot(1.3, u))
     assert found[0].uncertainty.expanded == pytest.approx(math.hypot(1.3, 4.3027 * u), rel=1e-4)
     assert found[0].uncertainty.without_power().expanded == pytest.approx(4.3027 * u, rel=1e-4)
-    assert found[0].verdict is Verdict.UNDECIDED
+    assert found[0].judged is not None
+    assert found[0].judged.verdict is Verdict.UNDECIDED
 
 
 def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
@@ -162,14 +170,36 @@ def _uncertain(value: float, uncertainty: Uncertainty) -> Measurement:
 
 
 def test_the_worst_states_the_probability_of_all() -> None:
-    found = _judged("worst", [0.96, 0.99, 1.01], standard=0.05, limit=Limit(max=1.05, margin="U"))
+    limit = Limit(max=1.05, margin="U")
+    found = _judged("worst", [0.96, 0.99, 1.01], standard=0.05, limit=limit)
     alone = [float(stats.norm.cdf((1.05 - value) / 0.05)) for value in (0.96, 0.99, 1.01)]
     assert found.conformance == pytest.approx(math.prod(alone), rel=1e-6)
-    assert found.to_json()["limit"]["conformance"] == found.conformance
+    assert found.to_json()["conformance"] == found.conformance
     assert f"probability of conformance {found.conformance:.3f}" in str(found.missed)
-    unknown = replace(found, of_all=None)
-    assert unknown.conformance is None
-    assert unknown.to_json()["limit"]["conformance_reason"] == "the uncertainty of a repetition is not known"
+
+
+@pytest.mark.parametrize("other", [None, Uncertainty(math.nan, "")])
+@pytest.mark.parametrize("worst", [1.01, 3.0])  # of the second the probability is 0
+def test_the_worst_has_no_probability_where_a_repetition_has_no_uncertainty(
+    other: Uncertainty | None, worst: float
+) -> None:
+    plan = _plan(2).model_copy(
+        update={"judge": "worst", "sweep": Sweep(), "limits": {"torque_mean": Limit(max=1.05)}}
+    )
+    known = Uncertainty(0.03, "each")
+    first, second = (
+        Measurement("torque_mean", value, "Nm", "mean", uncertainty=uncertainty)
+        for value, uncertainty in ((0.9, other), (worst, known))
+    )
+    names = [case.name for case in cases(plan)]
+    ((found,),) = over_repetitions(plan, {names[0]: (first,), names[1]: (second,)}).values()
+    assert found.judged is not None
+    assert found.judged.measured is not None
+    assert found.judged.measured.value == worst
+    assert found.judged.conformance is None
+    document = found.to_json()["limit"]
+    assert document["conformance_reason"] == "the uncertainty of a repetition is not known"
+    assert "conformance" not in document
 
 
 @pytest.mark.parametrize("judge", ["mean", "worst"])
@@ -177,8 +207,8 @@ def test_a_repetition_without_a_value_fails_the_limit_of_all(judge: str) -> None
     found = _judged(judge, [0.9, math.nan, 1.1], limit=Limit(max=2.0))
     assert found.verdict is Verdict.FAIL
     assert "1 of 3 repetitions have no value" in str(found.missed)
-    assert found.judged is not None
-    assert (found.judged.unit, found.judged.definition) == ("Nm", f"{judge} of 3 repetitions")
+    assert found.measured is not None
+    assert (found.measured.unit, found.measured.definition) == ("Nm", f"{judge} of 3 repetitions")
     plan = Plan.model_validate(_plan(2).model_dump() | {"judge": judge, "limits": {"x": Limit(max=1.0)}})
     assert RunResult((), over_repetitions(plan, {})).verdict is Verdict.FAIL
 
@@ -218,11 +248,12 @@ def test_a_limit_on_repetitions_is_held_against_the_transducer_too(
     }
     (together,) = over_repetitions(plan, measured).values()
     estimate = next(each for each in together if each.name == "torque_mean")
-    assert estimate.verdict is Verdict.PASS
-    assert estimate.verdict_by_transducer is by_transducer
+    assert estimate.judged is not None
+    assert estimate.judged.verdict is Verdict.PASS
+    assert estimate.judged.verdict_by_transducer is by_transducer
     assert ("disagreement" in estimate.to_json()) == math.isfinite(sum(shaft))
     waived = Limit(max=1.2, waived=Waived(reason="a prototype", by="the client"))
-    counted = replace(estimate, limit=waived).verdict_by_transducer
+    counted = replace(estimate.judged, limit=waived).verdict_by_transducer
     assert counted is (Verdict.NONE if by_transducer is Verdict.FAIL else by_transducer)
 
 
@@ -247,7 +278,8 @@ def test_the_mean_has_that_in_the_band_of_a_transducer_where_each_has_it(
     }
     ((together,),) = over_repetitions(plan, measured).values()
     assert together.judged is not None
-    found = together.judged.in_common_band
+    assert together.judged.measured is not None
+    found = together.judged.measured.in_common_band
     assert [each.value for each in (found,) if each is not None] == ([expected] if expected else [])
     assert [each.unit for each in (found,) if each is not None] == (["Nm"] if expected else [])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from benchtool.plan import Limit, Verdict, Waived
+from benchtool.plan import JudgedLimit, Limit, Verdict, Waived
 
 WAIVED = Waived(reason="new filter", by="ann")
 
@@ -28,10 +28,11 @@ def test_a_waived_limit_is_judged_and_does_not_count(
 
 
 def test_a_limit_says_in_json_who_waives_it() -> None:
-    document = Limit(max=1.0, waived=WAIVED, requirement="SRS-1").to_json(None)
+    limit = Limit(max=1.0, waived=WAIVED, requirement="SRS-1")
+    document = JudgedLimit.of("x", limit, None).to_json()
     assert document["waived"] == {"reason": "new filter", "by": "ann"}
     assert document["requirement"] == "SRS-1"
-    assert "waived" not in Limit(max=1.0).to_json(None)
+    assert "waived" not in JudgedLimit.of("x", Limit(max=1.0), None).to_json()
 
 
 @pytest.mark.parametrize("waived", [{"reason": "", "by": "ann"}, {"reason": "x"}, {"by": "ann"}])

@@ -1,4 +1,4 @@
-"""Shared parts of reports of runs and comparisons: marks, captions, and loaded streams."""
+"""Shared parts of reports of runs and comparisons: figures with their captions, and loaded streams."""
 
 from __future__ import annotations
 
@@ -8,25 +8,12 @@ from typing import Final
 from matplotlib.figure import Figure
 
 from benchtool.block import Block
-from benchtool.plan import Verdict
 from benchtool.report import content
-from benchtool.report.content import Mark, Picture
+from benchtool.report.content import Picture
 from benchtool.report.figures.drawings import captions
 from benchtool.results import Assessment
 
 _OF_ALL_CASES: Final = {"cases": "All cases of the plan side by side, on the same axes."}
-
-
-def mark(verdict: Verdict) -> Mark:
-    """Return a verdict as the report marks it."""
-    marks: dict[Verdict, Mark] = {
-        Verdict.NONE: "none",
-        Verdict.PASS: "pass",
-        Verdict.MARGINAL: "marginal",
-        Verdict.UNDECIDED: "undecided",
-        Verdict.FAIL: "fail",
-    }
-    return marks[verdict]
 
 
 def picture(name: str, figure: Figure) -> Picture:

@@ -1,0 +1,122 @@
+"""A limit held against what was measured: the verdict, the probability of conformance, and both in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Self
+
+from benchtool.analysis import Measurement, probability
+from benchtool.plan.limits import Limit, Verdict
+
+
+@dataclass(frozen=True)
+class Missed:
+    """A limit that was missed, met within its margin only, or undecided, in words."""
+
+    name: str
+    verdict: Verdict
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.reason}"
+
+
+@dataclass(frozen=True)
+class JudgedLimit:
+    """A limit held against what was measured.
+
+    `measured` is None where nothing was. `conformance` is the probability that the limit is met (JCGM
+    106:2012, 7); None where `conformance_reason` says why.
+    """
+
+    name: str
+    limit: Limit
+    measured: Measurement | None
+    conformance: float | None
+    conformance_reason: str = ""
+
+    @classmethod
+    def of(cls, name: str, limit: Limit, measured: Measurement | None) -> Self:
+        """Hold a limit against one measurement, by whose uncertainty alone it conforms."""
+        conformance = None if measured is None else limit.conformance(measured.value, measured.uncertainty)
+        reason = _without_uncertainty(measured) if conformance is None else ""
+        return cls(name, limit, measured, conformance, reason)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How the limit is met; what was not measured fails."""
+        if self.measured is None:
+            return Verdict.FAIL
+        return self.limit.judge(self.measured.value, self.measured.uncertainty)
+
+    @property
+    def counted(self) -> Verdict:
+        """The verdict as it counts for the whole: none where the limit is not met, and waived."""
+        return self.limit.counted(self.verdict)
+
+    @property
+    def headroom(self) -> float:
+        """How far inside the nearer bound the value lies; nan without a value."""
+        return math.nan if self.measured is None else self.limit.headroom(self.measured.value)
+
+    @property
+    def told(self) -> Missed | None:
+        """Why the limit was not met, or met within its margin only; None where it was."""
+        return None if self.verdict is Verdict.PASS else Missed(self.name, self.verdict, self._reason)
+
+    @property
+    def missed(self) -> Missed | None:
+        """The limit that was not met and counts, or was met within its margin only; else None."""
+        return self.told if self.counted is self.verdict else None
+
+    @property
+    def waived(self) -> Missed | None:
+        """The limit that was not met, and is waived; else None."""
+        return self.told if self.counted is not self.verdict else None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the bounds, the rule in words, the verdict, and the probability of conformance or why there
+        is none."""
+        document = self.limit.model_dump(exclude_none=True)
+        document |= {"rule": self.limit.rule, "verdict": str(self.verdict)}
+        if self.conformance is None:
+            return document | {"conformance_reason": self.conformance_reason}
+        return document | {"conformance": self.conformance}
+
+    @property
+    def _reason(self) -> str:
+        """What is told of a value that does not pass."""
+        limit, measured = self.limit, self.measured
+        if measured is None:
+            return f"was not measured, {limit.bounds} is asked for"
+        if not math.isfinite(measured.value):
+            return f"is undefined ({measured.reason or measured.definition}), {limit.bounds} is asked for"
+        value = f"is {measured.value:.4g} {measured.unit}".rstrip()
+        if self.verdict is Verdict.MARGINAL:
+            return f"{value}, within {limit.margin:g} of its limit {limit.bounds}"
+        if limit.margin == "U":
+            return f"{value}, {self._guarded(measured)}"
+        return f"{value}, {limit.shortfall(measured.value)}"
+
+    def _guarded(self, measured: Measurement) -> str:
+        """Return why a finite value does not pass a limit with a guard band."""
+        limit, uncertainty = self.limit, measured.uncertainty
+        if uncertainty is None or not math.isfinite(uncertainty.expanded):
+            why = _without_uncertainty(measured)
+            return f'{why}, which margin = "U" of its limit {limit.bounds} needs'
+        place = limit.shortfall(measured.value) or f"{self.headroom:.3g} inside its limit {limit.bounds}"
+        U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
+        if self.conformance is None:
+            return f"{place}, {U}, no probability of conformance: {self.conformance_reason}"
+        return f"{place}, {U}, probability of conformance {probability(self.conformance)}"
+
+
+def _without_uncertainty(measured: Measurement | None) -> str:
+    """Return why a measurement, if there is one, has no value or no uncertainty."""
+    if measured is None:
+        return "it was not measured"
+    if not math.isfinite(measured.value):
+        return f"it is undefined ({measured.reason or measured.definition})"
+    why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
+    return f"its uncertainty is not known{why}"
