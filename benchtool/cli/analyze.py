@@ -29,7 +29,7 @@ from benchtool.results import (
     assess_bundle,
     assess_recording,
     assess_table,
-    complete_cases,
+    complete_of,
     is_planned,
     is_table,
     recorded_runs,
@@ -318,7 +318,7 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
         raise UsageError(f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}")
     warn_unsealed(output, [case.bundle for case in runs[0].cases])
     cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
-    result = RunResult(tuple(complete_cases(run, selection)), runs[0].repeated)
+    result = RunResult(tuple(complete_of(runs, run)), runs[0].repeated)
     show_run(output, str(run), result)
     if cut_short:
         output.line(f"left out, cut short: {', '.join(cut_short)}")

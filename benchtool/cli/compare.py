@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.text import Text
@@ -14,12 +14,26 @@ from rich.text import Text
 from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
-from benchtool.cli.output import Output, warn_overdue
+from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
 from benchtool.cli.report import write_report
-from benchtool.cli.results import disagreement_text
+from benchtool.cli.results import disagreement_text, together_text
 from benchtool.errors import UsageError
 from benchtool.report.assembly import comparison_report, difference
-from benchtool.results import Chance, Comparison, Delta, Differences, compare_cases, complete_cases, valued
+from benchtool.results import (
+    Chance,
+    Comparison,
+    Delta,
+    Differences,
+    Repeated,
+    RepeatedCase,
+    SideBySide,
+    compare_cases,
+    compare_repeated,
+    complete_of,
+    recorded_runs,
+    repeated_cases,
+    valued,
+)
 
 _LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
 _MOST_COLUMNS = 3  # runs side by side in a terminal; more are listed below each other
@@ -50,8 +64,13 @@ def compare(
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
     output = Output(as_json=as_json)
     selection = chosen.selection(stream, from_, to, analysis)
-    found = {label: complete_cases(run, selection) for label, run in zip(_labels(runs), runs, strict=True)}
+    recorded = {label: recorded_runs(run, selection) for label, run in zip(_labels(runs), runs, strict=True)}
+    found = {
+        label: complete_of(of_one, run) for (label, of_one), run in zip(recorded.items(), runs, strict=True)
+    }
+    repeated = {label: repeated_cases(of_one) for label, of_one in recorded.items()}
     comparisons, alone = compare_cases(found)
+    over_repetitions = compare_repeated(repeated)
     if len(found) == 1 and not any(comparison.deltas for comparison in comparisons):
         raise UsageError(f"{runs[0]} is one run of one case, two are compared: name another run beside it")
     differences = [Differences.of(comparison) for comparison in comparisons]
@@ -59,13 +78,15 @@ def compare(
         show_differences(output, comparison.case, circumstances)
         show(output, comparison)
         warn_overdue(output, comparison.overdue)
+    for means in over_repetitions:
+        _show_repeated(output, means)
     if alone:
         output.line(f"without a counterpart: {', '.join(alone)}")
     written = {}
     if html is not None:
         if not comparisons:
             raise UsageError("no case of the first run has a counterpart: compare runs of the same plan")
-        report = comparison_report(comparisons, alone, [str(run) for run in runs])
+        report = comparison_report(comparisons, alone, [str(run) for run in runs], over_repetitions)
         page, document = write_report(report, html, pdf=pdf, output=output)
         written = {"report": str(page), "pdf": None if document is None else str(document)}
     output.document(
@@ -81,6 +102,7 @@ def compare(
             },
             "without_counterpart": list(alone),
             "deltas": _deltas(comparisons, alone_run=len(found) == 1),
+            **_repeated(repeated, over_repetitions),
             **written,
         }
     )
@@ -97,7 +119,7 @@ def _labels(runs: Sequence[Path]) -> list[str]:
     ]
 
 
-def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, object]:
+def _deltas(comparisons: Sequence[SideBySide[Any]], *, alone_run: bool) -> dict[str, object]:
     """Return every difference by case (as `cases` lists it), with what it is a difference to."""
     document: dict[str, object] = {}
     for comparison in comparisons:
@@ -115,16 +137,56 @@ def _deltas(comparisons: Sequence[Comparison], *, alone_run: bool) -> dict[str, 
     return document
 
 
-def show(output: Output, comparison: Comparison) -> None:
-    """Print the measurements of runs side by side, and what bears on the differences."""
-    results, title = comparison.results, comparison.case or "comparison"
-    letters = {
-        label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in enumerate(results)
+def _repeated(
+    runs: Mapping[str, Mapping[str, Sequence[Repeated]]], compared: Sequence[SideBySide[RepeatedCase]]
+) -> dict[str, object]:
+    """Return what each case came to over its repetitions, and the differences of the means; nothing without
+    repetitions."""
+    found = {
+        f"{label}:{case}" if len(runs) > 1 else case: {each.name: each.to_json() for each in together}
+        for label, cases in runs.items()
+        for case, together in cases.items()
     }
-    if len(results) > _MOST_COLUMNS:
+    return (
+        {"repeated": found, "repeated_deltas": _deltas(compared, alone_run=len(runs) == 1)} if found else {}
+    )
+
+
+def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None:
+    """Print the means of runs side by side, and how each meets the limits over its repetitions."""
+    letters = _letters(comparison)
+    title = f"{comparison.case or 'comparison'}: means of the repetitions"
+    _show_measured(output, title, comparison, letters)
+    for label, result in comparison.results.items():
+        for each in result.judged:
+            told = f": it {each.told.reason}" if each.told else ""
+            waived = " (waived)" if each.waived else ""
+            output.sentence(
+                f"{letters[label]}: {each.name}: {together_text(each)}{waived}{told}",
+                VERDICT_COLOURS[each.counted],
+            )
+
+
+def _letters(comparison: SideBySide[Any]) -> dict[str, str]:
+    """Return by what each run is called in a table."""
+    labels = enumerate(comparison.results)
+    return {label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in labels}
+
+
+def _show_measured(
+    output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]
+) -> None:
+    """Print what was measured, with the differences."""
+    if len(comparison.results) > _MOST_COLUMNS:
         _show_many(output, title, comparison, letters)
     else:
         _show_columns(output, title, comparison, letters)
+
+
+def show(output: Output, comparison: Comparison) -> None:
+    """Print the measurements of runs side by side, and what bears on the differences."""
+    results, letters = comparison.results, _letters(comparison)
+    _show_measured(output, comparison.case or "comparison", comparison, letters)
     output.sentence(
         "* beyond its expanded uncertainty (95 %), ~ within it; ✓ better, ✗ worse by a limit", "dim"
     )
@@ -143,7 +205,9 @@ def show(output: Output, comparison: Comparison) -> None:
         output.line(f"{letters[label]}  {label}{place}")
 
 
-def _show_columns(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
+def _show_columns(
+    output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]
+) -> None:
     """A row for each measurement. Of two runs, the difference has columns of its own."""
     first, *others = comparison.results
     units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
@@ -163,7 +227,7 @@ def _show_columns(output: Output, title: str, comparison: Comparison, letters: M
     )
 
 
-def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapping[str, str]) -> None:
+def _show_many(output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]) -> None:
     """Print a row for each run with the headline measurements; the documents contain all."""
 
     known = comparison.names
@@ -175,7 +239,7 @@ def _show_many(output: Output, title: str, comparison: Comparison, letters: Mapp
     output.table(title, ("run", *(f">{name}" for name in names)), rows)
 
 
-def _value(comparison: Comparison, label: str, name: str) -> str:
+def _value(comparison: SideBySide[Any], label: str, name: str) -> str:
     """Return the value to the place of its uncertainty; where it has none, to that of the difference."""
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
@@ -189,24 +253,24 @@ def _value(comparison: Comparison, label: str, name: str) -> str:
     return placed(found.value, max(least, _LEAST_PLACE * abs(found.value)))
 
 
-def _deltas_of(comparison: Comparison, label: str, name: str) -> list[Delta]:
+def _deltas_of(comparison: SideBySide[Any], label: str, name: str) -> list[Delta]:
     """Return the differences of a run to the reference, or of all runs to it if it is the reference."""
     labels = [label] if label in comparison.deltas else list(comparison.deltas)
     return [delta for each in labels if (delta := _delta(comparison, each, name)) is not None]
 
 
-def _delta(comparison: Comparison, label: str, name: str) -> Delta | None:
+def _delta(comparison: SideBySide[Any], label: str, name: str) -> Delta | None:
     return next((each for each in comparison.deltas.get(label, ()) if each.name == name), None)
 
 
-def _apart(comparison: Comparison, label: str, name: str) -> list[str | Text]:
+def _apart(comparison: SideBySide[Any], label: str, name: str) -> list[str | Text]:
     """Return the value, difference with its uncertainty, and percent."""
     delta = _delta(comparison, label, name)
     absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
     return [_value(comparison, label, name), absolute, _percent(delta)]
 
 
-def _together(comparison: Comparison, label: str, name: str) -> Text:
+def _together(comparison: SideBySide[Any], label: str, name: str) -> Text:
     """Return the value and percent in one cell."""
     value = _value(comparison, label, name)
     delta = _delta(comparison, label, name)

@@ -156,7 +156,7 @@ def show_repeated(
                 str(each.n),
                 each.unit,
             )
-            + ((_together(each.judged),) if limited else ())
+            + ((together_text(each.judged),) if limited else ())
             for each in together
             if not names or each.name in names
         ]
@@ -165,7 +165,7 @@ def show_repeated(
         output.table(f"{case}: mean of the repetitions and its standard uncertainty", columns, rows)
 
 
-def _together(judged: JudgedTogether | None) -> str:
+def together_text(judged: JudgedTogether | None) -> str:
     """Return the verdict on a limit over repetitions, and the value that it is applied to."""
     if judged is None:
         return ""

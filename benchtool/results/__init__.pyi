@@ -23,7 +23,10 @@ from .comparison import (
     Chance as Chance,
     Comparison as Comparison,
     Delta as Delta,
+    RepeatedCase as RepeatedCase,
+    SideBySide as SideBySide,
     compare_cases as compare_cases,
+    compare_repeated as compare_repeated,
     deltas as deltas,
 )
 from .differences import (
@@ -47,8 +50,10 @@ from .runs import (
     RecordedCase as RecordedCase,
     RecordedRun as RecordedRun,
     complete_cases as complete_cases,
+    complete_of as complete_of,
     is_planned as is_planned,
     recorded_runs as recorded_runs,
+    repeated_cases as repeated_cases,
 )
 from .sessions import (
     SESSION as SESSION,

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, Self
+from typing import Any, Generic, Literal, Protocol, Self, TypeVar
 
 from benchtool.analysis import COVERAGE, Correction, Measurement, Uncertainty, of_difference
-from benchtool.plan import Limit
+from benchtool.plan import Limit, Verdict
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
+from benchtool.results.judged_repetitions import JudgedTogether
+from benchtool.results.repetitions import Repeated
 
 _SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
 _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
@@ -103,16 +105,64 @@ class Chance:
         }
 
 
+class Measured(Protocol):
+    """What was measured, with the limits that say which direction is good."""
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]: ...
+
+    @property
+    def limits(self) -> Mapping[str, Limit]: ...
+
+
+class MeasuredCase(Measured, Protocol):
+    """What was measured in a case of a plan."""
+
+    @property
+    def case(self) -> str: ...
+
+
 @dataclass(frozen=True)
-class Comparison:
+class RepeatedCase:
+    """What a case came to over its repetitions: their means, and the limits that hold for them together."""
+
+    case: str
+    together: tuple[Repeated, ...]
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """The means."""
+        return tuple(each.measured for each in self.together)
+
+    @property
+    def judged(self) -> tuple[JudgedTogether, ...]:
+        """The limits over the repetitions."""
+        return tuple(each.judged for each in self.together if each.judged is not None)
+
+    @property
+    def limits(self) -> Mapping[str, Limit]:
+        """Those limits, by name."""
+        return {each.name: each.limit for each in self.judged}
+
+    @property
+    def verdicts(self) -> Mapping[str, Verdict]:
+        """Their verdicts."""
+        return {each.name: each.verdict for each in self.judged}
+
+
+_Result = TypeVar("_Result", bound=MeasuredCase)
+
+
+@dataclass(frozen=True)
+class SideBySide(Generic[_Result]):
     """The same case of several runs; the first is the reference. `deltas` are of the others, by label."""
 
     case: str
-    results: Mapping[str, Assessment]
+    results: Mapping[str, _Result]
     deltas: Mapping[str, tuple[Delta, ...]]
 
     @classmethod
-    def of(cls, case: str, results: Mapping[str, Assessment]) -> Comparison:
+    def of(cls, case: str, results: Mapping[str, _Result]) -> Self:
         """Compare `results`, by label, with the first of them."""
         (_, reference), *others = results.items()
         return cls(case, results, {label: deltas(reference, other) for label, other in others})
@@ -124,11 +174,6 @@ class Comparison:
         return tuple(dict.fromkeys(found))
 
     @property
-    def overdue(self) -> tuple[Overdue, ...]:
-        """The instruments of any of the runs whose calibration was due before it."""
-        return tuple(dict.fromkeys(late for result in self.results.values() for late in result.overdue))
-
-    @property
     def chance(self) -> Chance:
         """Number of significant differences of all runs, compared with the number expected by chance."""
         return Chance.of([each for found in self.deltas.values() for each in found])
@@ -138,6 +183,16 @@ class Comparison:
         """A sentence for each difference of two quantities."""
         deltas = (each for found in self.deltas.values() for each in found)
         return tuple(f"{each.name}: {each.reason}." for each in deltas if each.reason)
+
+
+@dataclass(frozen=True)
+class Comparison(SideBySide[Assessment]):
+    """A case of several runs, or cases of one, side by side."""
+
+    @property
+    def overdue(self) -> tuple[Overdue, ...]:
+        """The instruments of any of the runs whose calibration was due before it."""
+        return tuple(dict.fromkeys(late for result in self.results.values() for late in result.overdue))
 
     @property
     def lengths(self) -> str:
@@ -159,40 +214,45 @@ class Comparison:
 
 
 def compare_cases(runs: Mapping[str, Sequence[Assessment]]) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
-    """Return the cases of several runs matched by name, and those without a counterpart in the first run.
+    """Return the cases of several runs matched by name, and those without a counterpart in the first run."""
+    comparisons = tuple(Comparison.of(case, found) for case, found in _matched(runs))
+    compared = {id(result) for each in comparisons for result in each.results.values()}
+    alone = (
+        f"{label}: {each.case}" for label, found in runs.items() for each in found if id(each) not in compared
+    )
+    return comparisons, tuple(alone)
+
+
+def compare_repeated(
+    runs: Mapping[str, Mapping[str, tuple[Repeated, ...]]],
+) -> tuple[SideBySide[RepeatedCase], ...]:
+    """Return what several runs come to over the repetitions of their cases, matched as cases are; nothing of
+    a case that has no counterpart."""
+    cases = {
+        label: [RepeatedCase(case, together) for case, together in repeated.items()]
+        for label, repeated in runs.items()
+    }
+    found = (SideBySide.of(case, results) for case, results in _matched(cases))
+    return tuple(each for each in found if each.deltas)
+
+
+def _matched(runs: Mapping[str, Sequence[_Result]]) -> Iterator[tuple[str, Mapping[str, _Result]]]:
+    """Yield the cases of the first run, each with those of the same name in the others.
 
     Runs of one case each are compared regardless of names; of a single run, its cases are compared with the
     first.
     """
+    (_, reference), *others = runs.items()
     if len(runs) == 1:
-        ((_, found),) = runs.items()
-        return (Comparison.of("", {each.case: each for each in found}),), ()
-    if all(len(found) == 1 for found in runs.values()):
-        return (Comparison.of("", {label: found[0] for label, found in runs.items()}),), ()
-    by_name = {label: {each.case: each for each in found} for label, found in runs.items()}
-    first, *others = by_name
-    comparisons = []
-    for case, reference in by_name[first].items():
-        matched = {label: by_name[label][case] for label in others if case in by_name[label]}
-        if matched:
-            comparisons.append(Comparison.of(case, {first: reference, **matched}))
-    alone = [
-        f"{label}: {case}"
-        for label, found in by_name.items()
-        for case in found
-        if not any(case == each.case and label in each.results for each in comparisons)
-    ]
-    return tuple(comparisons), tuple(alone)
-
-
-class Measured(Protocol):
-    """What was measured, with the limits that say which direction is good."""
-
-    @property
-    def measurements(self) -> tuple[Measurement, ...]: ...
-
-    @property
-    def limits(self) -> Mapping[str, Limit]: ...
+        if reference:
+            yield "", {each.case: each for each in reference}
+    elif all(len(found) == 1 for found in runs.values()):
+        yield "", {label: found[0] for label, found in runs.items()}
+    else:
+        for one in reference:
+            same = {label: each for label, found in others for each in found if each.case == one.case}
+            if same:
+                yield one.case, {next(iter(runs)): one, **same}
 
 
 def deltas(reference: Measured, other: Measured) -> tuple[Delta, ...]:

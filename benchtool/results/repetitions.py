@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Self
 
 import numpy as np
 
 from benchtool.analysis import (
+    Basis,
     Contribution,
     Correction,
     InstrumentError,
@@ -38,7 +39,8 @@ class Repeated:
     share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
     the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
     Of equal numbers, which no scatter tells of, it is that of a `single` one.
-    `judged` is the limit that holds for them together; None without one.
+    `correction` is what was added to the mean for the sensors, `basis` that of the first repetition, and
+    `judged` the limit that holds for them together; None without one.
     """
 
     name: str
@@ -50,6 +52,8 @@ class Repeated:
     power: tuple[Contribution, ...] = ()
     unshown: tuple[Contribution, ...] = ()
     single: Uncertainty | None = None
+    correction: Correction | None = None
+    basis: Basis = field(default_factory=Basis)
     judged: JudgedTogether | None = None
 
     @property
@@ -83,6 +87,20 @@ class Repeated:
     def combined(self) -> float:
         """Standard uncertainty of the mean, what repetitions share in it; nan of fewer than two."""
         return math.nan if self.uncertainty is None else self.uncertainty.standard
+
+    @property
+    def measured(self) -> Measurement:
+        """The mean as a measurement."""
+        return Measurement(
+            self.name,
+            self.mean,
+            self.unit,
+            f"mean of {self.n} repetitions",
+            self.basis,
+            self.uncertainty,
+            correction=self.correction,
+            uncertainty_reason=self.uncertainty_reason,
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields; nan becomes null."""
@@ -237,19 +255,11 @@ def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
 def _judged_mean(found: Sequence[Measurement], count: int) -> Measurement:
     """Return the mean of `count` repetitions as a limit applies to it; undefined if one of them has no
     value."""
-    definition, together = f"mean of {count} repetitions", _mean_of(found[0].name, found)
+    mean = _mean_of(found[0].name, found).measured
+    definition = f"mean of {count} repetitions"
     if lacking := without_value(found, count):
-        return Measurement.undefined(together.name, together.unit, definition, lacking)
-    mean = Measurement(
-        together.name,
-        together.mean,
-        together.unit,
-        definition,
-        uncertainty=together.uncertainty,
-        correction=_mean_correction(found),
-        uncertainty_reason=together.uncertainty_reason,
-    )
-    return replace(mean, in_common_band=_mean_in_band(found, mean))
+        return Measurement.undefined(mean.name, mean.unit, definition, lacking)
+    return replace(mean, definition=definition, in_common_band=_mean_in_band(found, mean))
 
 
 def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurement | None:
@@ -287,6 +297,8 @@ def _mean_of(name: str, found: Sequence[Measurement]) -> Repeated:
         power=tuple(_power(found)),
         unshown=tuple(_unshown(found, spread)),
         single=_least_known(found),
+        correction=_mean_correction(found),
+        basis=found[0].basis if found else Basis(),
     )
 
 

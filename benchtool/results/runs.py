@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -150,11 +150,30 @@ def complete_cases(folder: Path, selection: Selection | None = None) -> list[Ass
         RecordingError: there is none, or a file of one is not what was recorded.
         AnalysisError: the data cannot answer what the plan asks.
     """
-    recorded = [case for run in recorded_runs(folder, selection) for case in run.cases]
+    return complete_of(recorded_runs(folder, selection), folder)
+
+
+def complete_of(runs: Sequence[RecordedRun], folder: Path) -> list[Assessment]:
+    """Return every case of runs in a folder that was finished.
+
+    Raises: as `complete_cases`.
+    """
+    recorded = [case for run in runs for case in run.cases]
     found = [case for case in recorded if case.bundle.complete or (case.assessment and not case.planned)]
     if not found:
         raise RecordingError(f"{folder} holds no complete run bundle: give the folder of a run")
     return [case.assessment or _measured_before(case) for case in found]
+
+
+def repeated_cases(runs: Sequence[RecordedRun]) -> dict[str, tuple[Repeated, ...]]:
+    """Return what runs of several cases come to over the repetitions, by the case's name, with the plan's
+    where there are several."""
+    several = (run for run in runs if len(run.cases) > 1)
+    return {
+        f"{run.name}/{case}" if run.name else case: together
+        for run in several
+        for case, together in run.repeated.items()
+    }
 
 
 def is_planned(bundle: Bundle) -> bool:

@@ -33,6 +33,7 @@ from docs.generate.json_results import (
     Document,
     Measurement,
     Plans,
+    RepeatedDocument,
     Run,
     VerdictWord,
     Verified,
@@ -333,6 +334,10 @@ class Compared(Document):
     """What else differs between the runs, by case: operating point, parameters, limits."""
     without_counterpart: list[str]
     """Cases that one run alone has."""
+    repeated: dict[str, dict[str, RepeatedDocument]] | None = None
+    """Measurements over the repetitions, by run and case, and name."""
+    repeated_deltas: dict[str, Deltas] | None = None
+    """Differences of the means over the repetitions, by case."""
     report: str | None = None
     """The HTML page, with `--html`."""
     pdf: str | None = None

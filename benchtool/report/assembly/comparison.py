@@ -6,6 +6,7 @@ import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
+from typing import Any
 
 from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed, with_expanded
 from benchtool.block import Block
@@ -17,21 +18,41 @@ from benchtool.report.assembly.pictures import picture, read_already
 from benchtool.report.content import Cell, Facts, Grid, Item, Report, Section, Text
 from benchtool.report.figures.drawings import comparable, draw_side_by_side
 from benchtool.report.provenance import files_section, supervision_notes
-from benchtool.report.results import mark, measurement_notes
-from benchtool.results import Assessment, Comparison, Delta, Differences, Kind, valued
+from benchtool.report.results import (
+    bounds_of,
+    conformance_of,
+    mark,
+    measurement_notes,
+    value_with_k,
+    verdict_cell,
+)
+from benchtool.results import (
+    Assessment,
+    Comparison,
+    Delta,
+    Differences,
+    Kind,
+    RepeatedCase,
+    SideBySide,
+    valued,
+)
 
 _MOST_PANELS = 9
 _LONGEST = 24  # characters of a label that heads a column
 
 
 def comparison_report(
-    comparisons: Sequence[Comparison], alone: Sequence[str], folders: Sequence[str]
+    comparisons: Sequence[Comparison],
+    alone: Sequence[str],
+    folders: Sequence[str],
+    repeated: Sequence[SideBySide[RepeatedCase]] = (),
 ) -> Report:
     """Return the report of a comparison.
 
     Args:
         alone: cases without a counterpart.
         folders: of the runs, as they were given.
+        repeated: means over the repetitions of their cases.
     """
     first = next(iter(comparisons[0].results.values()))
     bundles = _bundles(comparisons)
@@ -48,6 +69,9 @@ def comparison_report(
         circumstances = _circumstances(Differences.of(each))
         body = (*warned, *late, *circumstances, *_measured(each), *_figures(each))
         items.append(Section(f"Case {each.case}" if many else "Comparison", body, listed=many))
+    for means in repeated:
+        title = "Means of the repetitions" + (f" of case {means.case}" if means.case else "")
+        items.append(Section(title, (*_measured(means), *_limits_together(means)), listed=True))
     files = files_section(bundles, [f"benchtool compare {shlex.join(folders)}"])
     title = f"Comparison: {read_manifest(first.bundle)[0].what}"
     subtitle = f"Comparison of {len({label for label, _, _ in runs})} runs · {newest}"
@@ -81,7 +105,23 @@ def _bundles(comparisons: Sequence[Comparison]) -> list[tuple[str, Bundle, Mappi
     ]
 
 
-def _measured(comparison: Comparison) -> Iterator[Item]:
+def _limits_together(comparison: SideBySide[RepeatedCase]) -> Iterator[Item]:
+    """Yield how each run meets its limits over the repetitions."""
+    rows = [
+        (
+            *(each.name, label, bounds_of(each.limit), each.limit.rule),
+            *("" if each.measured is None else each.measured.definition, value_with_k(each.measured)),
+            *(conformance_of(each), verdict_cell(each)),
+        )
+        for label, result in comparison.results.items()
+        for each in result.judged
+    ]
+    headings = ("measurement", "run", "limit", "decision rule", "judged", ">value ± U (k)", ">P", "verdict")
+    if rows:
+        yield Section("Limits over the repetitions", (Grid.of(headings, rows),))
+
+
+def _measured(comparison: SideBySide[Any]) -> Iterator[Item]:
     labels, names = list(comparison.results), valued(comparison)
     units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
     rows: list[tuple[str | Cell, ...]] = [
@@ -113,7 +153,7 @@ def _measured(comparison: Comparison) -> Iterator[Item]:
         yield Text(reason, "note")
 
 
-def _notes(comparison: Comparison, name: str) -> Iterator[str]:
+def _notes(comparison: SideBySide[Any], name: str) -> Iterator[str]:
     """Definition, basis and source of the uncertainty, once where all runs have the same."""
     found = {label: _named(result, name) for label, result in comparison.results.items()}
     notes = {label: measurement_notes(each) for label, each in found.items() if each is not None}
@@ -124,11 +164,11 @@ def _notes(comparison: Comparison, name: str) -> Iterator[str]:
             yield " ".join(f"{label}: {each}" for label, each in zip(notes, sentences, strict=True) if each)
 
 
-def _named(result: Assessment, name: str) -> Measurement | None:
+def _named(result: Assessment | RepeatedCase, name: str) -> Measurement | None:
     return next((each for each in result.measurements if each.name == name), None)
 
 
-def _value(result: Assessment, name: str) -> Cell:
+def _value(result: Assessment | RepeatedCase, name: str) -> Cell:
     measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)
