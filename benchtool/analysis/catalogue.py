@@ -11,7 +11,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, Final
 
-from benchtool.analysis.balances.flux_balance import FLUX_BALANCE
+from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE
 from benchtool.analysis.balances.motion_balance import MOTION_BALANCE
 from benchtool.analysis.declaration import (
     Analysis,
@@ -19,7 +19,8 @@ from benchtool.analysis.declaration import (
     Findings,
     Quantity,
 )
-from benchtool.analysis.flux.trajectory import FLUX_RIPPLE, FLUX_TRAJECTORY
+from benchtool.analysis.flux.ripple import FLUX_RIPPLE
+from benchtool.analysis.flux.trajectory import FLUX_TRAJECTORY
 from benchtool.analysis.orders.orders import SPEED_ORDERS, TORQUE_ORDERS
 from benchtool.analysis.plug_ins import GROUP, guarded, load, require_declared, require_distinct
 from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE

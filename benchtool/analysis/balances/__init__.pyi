@@ -7,11 +7,13 @@ from .deviations import (
     undefined as undefined,
 )
 from .flux_balance import (
-    FLUX_BALANCE as FLUX_BALANCE,
     UNEXPLAINED as UNEXPLAINED,
     FluxBalance as FluxBalance,
-    FluxBalanceSettings as FluxBalanceSettings,
     flux_balance as flux_balance,
+)
+from .flux_measurements import (
+    FLUX_BALANCE as FLUX_BALANCE,
+    FluxBalanceSettings as FluxBalanceSettings,
 )
 from .flux_model import Electrical as Electrical
 from .motion_balance import (

@@ -10,27 +10,18 @@ not pull the inductances towards zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from benchtool.analysis.balances.flux_model import NEEDED, PHASES, Electrical, Ticks, flux_of
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
-from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
-from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.quantisation.resolution import counting_step
-from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
-from benchtool.analysis.uncertainty import Contribution, Uncertainty
 from benchtool.analysis.validity import clipping, require_finite_channels, require_unbroken
-from benchtool.analysis.window import Window
 from benchtool.block import Block
-from benchtool.document import Section
 from benchtool.errors import AnalysisError
 from benchtool.profile import Motor
 
@@ -46,18 +37,6 @@ ESTIMATED: Final = (
     "current_gain_c",
 )
 """What a flux balance estimates, by the names of the dictionary where it has them."""
-
-UNITS: Final = {
-    "R_s": "ohm",
-    "L_d": "H",
-    "L_q": "H",
-    "psi_r": "Wb",
-    "encoder_offset": "rad",
-    "dead_time_voltage": "V",
-    "current_gain_a": "",
-    "current_gain_b": "",
-    "current_gain_c": "",
-}
 
 _FEWEST, _LEAST_SHARE = 500, 1.0 / 6.0  # periods; of all of them
 _ITERATIONS, _SEARCHES = 15, 3
@@ -123,14 +102,6 @@ class FluxBalance:
         """Return the torque of the measured currents at the ticks, with some parameters, shape (n + 1,)."""
         i_dq = self.ticks.currents(p) * np.conj(self.ticks.direction(p))
         return np.asarray(1.5 * pole_pairs * np.imag(np.conj(flux_of(i_dq, p)) * i_dq))
-
-
-class FluxBalanceSettings(Section):
-    """When the voltage of a row acts."""
-
-    delay_ticks: Annotated[int, Field(ge=0, le=3)] = 1
-    """Ticks from a row to the period over which the voltage in it acts: 1 where a drive computes it in one
-    period and applies it in the next."""
 
 
 def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBalance:
@@ -326,130 +297,3 @@ def _with_phase_c(found: Solution) -> Solution:
         certain=turn @ found.certain @ turn.T,
         bias=np.append(found.bias, math.hypot(found.bias[a], found.bias[b])),
     )
-
-
-@dataclass(frozen=True)
-class _Balanced:
-    """Computes the flux balance of a window, for all analyses that rest on it."""
-
-    delay_ticks: int
-
-    def __call__(self, window: Window) -> FluxBalance:
-        if window.motor is None:
-            raise AnalysisError(
-                "no motor is known, whose parameters are believed: give a profile with [motor]"
-            )
-        return flux_balance(window.block, window.motor, delay_ticks=self.delay_ticks)
-
-
-def balance_of(window: Window, delay_ticks: int) -> FluxBalance:
-    """Return the flux balance of a window, computed once.
-
-    Raises:
-        AnalysisError: no motor is known, or the data do not allow it.
-    """
-    return window.cached(_Balanced(delay_ticks))
-
-
-def _measure(window: Window, settings: FluxBalanceSettings) -> Findings:
-    found = balance_of(window, settings.delay_ticks)
-    basis = _basis(found, window.block)
-    return Findings(tuple(_measurements(found, basis)), (_correlations(found, basis),), found)
-
-
-def _basis(found: FluxBalance, block: Block) -> Basis:
-    used = len(found.left_out) - int(np.count_nonzero(found.left_out))
-    p = found.belief
-    return Basis(
-        samples=used,
-        sample_rate_Hz=block.sample_rate_Hz,
-        duration_s=len(block.data) / block.sample_rate_Hz,
-        bandwidth_Hz=0.5 * block.sample_rate_Hz,
-        window=f"{used} of {len(found.left_out)} periods",
-        reference=f"believed: R_s {p.R_s:g} ohm, L_d {p.L_d:g} H, L_q {p.L_q:g} H, psi_r {p.psi_r:g} Wb",
-        gaps=0,
-    )
-
-
-def _measurements(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
-    step_V = counting_step(found.ticks.u_dc)
-    relative = step_V / (math.sqrt(12.0) * max(float(np.mean(found.ticks.u_dc)), step_V)) if step_V else 0.0
-    for name in ESTIMATED:
-        definition, unit, full = _DEFINITIONS[name], UNITS[name], f"flux_balance_{name}"
-        if reason := found.solution.why_not(name):
-            yield Measurement.undefined(full, unit, definition, reason, basis)
-            continue
-        value = found.solution.value(name)
-        scaled = 0.0 if name in _ANGLES_AND_GAINS else relative * abs(value)
-        further = Contribution("resolution of u_dc", "B", scaled)
-        yield Measurement(
-            full,
-            value,
-            unit,
-            definition,
-            basis,
-            found.solution.uncertainty(name, further),
-            sensitivities=Sensitivities.of_gains(value, _SHARES.get(name, ())),
-        )
-    what = "rms error of the current predicted a tick ahead"
-    names = ("flux_balance_error_rms", "flux_balance_belief_error_rms")
-    for name, value, with_ in zip(names, found.error_A, ("estimated", "believed"), strict=True):
-        uncertain = Uncertainty(value / math.sqrt(2.0 * (basis.samples or 1.0)), "number of periods")
-        text = f"{what}, with the {with_} parameters"
-        yield Measurement(name, value, "A", text, basis, uncertain, sensitivities=NO_SENSORS)
-
-
-def _correlations(found: FluxBalance, basis: Basis) -> Table:
-    places = [found.solution.names.index(name) for name in ESTIMATED]
-    rows = found.solution.correlation[np.ix_(places, places)]
-    return Table(
-        "flux_balance_correlations",
-        "correlation of the errors of the estimates, a row and a column for each in the same order",
-        tuple((name, "") for name in ESTIMATED),
-        tuple(tuple(float(cell) for cell in row) for row in rows),
-        basis,
-    )
-
-
-_ANGLES_AND_GAINS: Final = frozenset({"encoder_offset", "current_gain_a", "current_gain_b", "current_gain_c"})
-_BY_LINK: Final = (("u_dc", 1.0),)
-_PER_CURRENT: Final = (*_BY_LINK, *((phase, -1.0 / 3.0) for phase in PHASES))
-_SHARES: Final = {  # voltages scale with that of the dc link; a third of each phase's gain is common to all
-    **dict.fromkeys(("psi_r", "dead_time_voltage"), _BY_LINK),
-    **dict.fromkeys(("R_s", "L_d", "L_q"), _PER_CURRENT),
-}
-_GAIN = "gain of the current sensor of phase {}, over the mean of the three, minus 1"
-_DEFINITIONS: Final = {
-    "R_s": "resistance of a phase, with that of its devices, that balances the flux from tick to tick",
-    "L_d": "inductance along the rotor flux that balances the flux from tick to tick",
-    "L_q": "inductance across the rotor flux that balances the flux from tick to tick",
-    "psi_r": "rotor flux linkage, peak, that balances the flux from tick to tick",
-    "encoder_offset": "electrical angle by which the rotor flux is ahead of that of theta_m",
-    "dead_time_voltage": "what dead time and devices take from the mean voltage of a phase against the sign "
-    "of its current, beyond what the drive compensates",
-    **{f"current_gain_{phase}": _GAIN.format(phase) for phase in "abc"},
-}
-
-_BY_SCATTER = "scatter of the errors of the balance over blocks, with their correlation; resolution of `u_dc`"
-
-FLUX_BALANCE: Final = Analysis(
-    name="flux_balance",
-    title="flux balance",
-    measure=_measure,
-    quantities=(
-        *(
-            Quantity((f"flux_balance_{name}",), UNITS[name], _DEFINITIONS[name], _BY_SCATTER)
-            for name in ESTIMATED
-        ),
-        Quantity(
-            ("flux_balance_error_rms", "flux_balance_belief_error_rms"),
-            "A",
-            "rms error of the current predicted a tick ahead, with the estimated and the believed parameters",
-            "`1 / sqrt(2 n)` of it",
-        ),
-    ),
-    settings=FluxBalanceSettings,
-    measured=Measured.ON_REQUEST,
-    channels=NEEDED,
-    every_tick=True,
-)

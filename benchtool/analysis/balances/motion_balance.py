@@ -25,7 +25,8 @@ import numpy as np
 from pydantic import Field
 
 from benchtool.analysis.balances.angle import smooth_angle
-from benchtool.analysis.balances.flux_balance import FluxBalance, FluxBalanceSettings, balance_of
+from benchtool.analysis.balances.flux_balance import FluxBalance
+from benchtool.analysis.balances.flux_measurements import FluxBalanceSettings, balance_of
 from benchtool.analysis.balances.flux_model import NEEDED, PHASES
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve

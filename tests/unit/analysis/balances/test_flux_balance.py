@@ -12,13 +12,8 @@ from scipy.stats import multivariate_normal
 
 from benchtool.analysis import Window
 from benchtool.analysis.balances.angle import smooth_angle
-from benchtool.analysis.balances.flux_balance import (
-    ESTIMATED,
-    FLUX_BALANCE,
-    FluxBalance,
-    FluxBalanceSettings,
-    flux_balance,
-)
+from benchtool.analysis.balances.flux_balance import ESTIMATED, FluxBalance, flux_balance
+from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE, FluxBalanceSettings
 from benchtool.analysis.balances.motion_balance import motion_balance
 from benchtool.analysis.balances.whitening import Whitening
 from benchtool.block import Block
