@@ -15,6 +15,7 @@ _FIRST_S, _LAST_S = 946_684_800.0, 4_102_444_800.0  # from 2000 up to 2100, UTC
 _MODULI = tuple(2**bits for bits in (8, 16, 24, 32))
 _LONGEST_STEP = 0.25  # of the modulus: of longer ones it is not known how often they go round
 _OFF = 1e-6  # of a count: what gain and unit round
+_MOST_ROWS = 4  # from the last before a rollover to the first behind it
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ def _unit_since_1970(times: NDArray[np.float64]) -> str:
 
 
 def _modulus(counts: NDArray[np.float64]) -> int:
-    """Return the power of two modulo which counts go on at every row as they do at most; 0 if there is none,
-    or none goes back."""
+    """Return the power of two modulo which counts go on at every row as they do at most, or as they do over a
+    few rows that are missing there; 0 if there is none, or none goes back."""
     steps = np.diff(counts)
     back, forward = steps[steps < 0.0], steps[steps > 0.0]
     if not len(back) or not len(forward) or np.any(np.abs(counts - np.round(counts)) > _OFF):
@@ -72,5 +73,7 @@ def _modulus(counts: NDArray[np.float64]) -> int:
     if forward.max() > _LONGEST_STEP * modulus:
         return 0
     onward = back + modulus
-    goes_on = np.all(onward > forward.min() - 1.5) and np.all(onward < forward.max() + 1.5)
-    return modulus if goes_on else 0
+    rows = np.arange(1, _MOST_ROWS + 1)[:, np.newaxis]
+    goes_on = (onward > rows * forward.min() - 1.5) & (onward < rows * forward.max() + 1.5)
+    few = onward < _LONGEST_STEP * modulus + 1.5
+    return modulus if np.all(np.any(goes_on, axis=0) & few) else 0

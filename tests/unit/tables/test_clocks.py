@@ -69,6 +69,17 @@ def test_a_counter_goes_on_behind_its_last_count(
     np.testing.assert_allclose(np.diff(time_s), 0.5e-6 * step, rtol=1e-6)
 
 
+@pytest.mark.parametrize("missing", [1, 2, 3])
+def test_a_counter_goes_round_over_rows_that_are_missing_there(missing: int) -> None:
+    """It was refused: the longer step at its rollover was none of its own."""
+    counts = 60_000.0 + 100.0 * np.arange(200)
+    behind = int(np.argmax(counts >= 65_536.0))
+    kept = np.delete(counts, np.arange(behind, behind + missing))
+    _, time_s, clock = read_clock(time_in("us", "head"), (kept % 65_536.0) * 1e-6)
+    assert (clock.modulus, clock.rollovers) == (65_536, 1)
+    np.testing.assert_allclose(time_s, kept * 1e-6, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     "counts",
     [
