@@ -87,3 +87,21 @@ def test_steps_that_run_through_their_phases_beat_hardly() -> None:
     assert of_slow_beats(1.0, 0.7390851, 2000, np.sqrt(1.0 / 12.0)) < 0.1 * of_slow_beats(
         1.0, 0.5001, 2000, 0.25
     )
+
+
+@pytest.mark.parametrize(
+    ("cycles", "gained"), [(0.2, 2.6), (1.5, 6.0 / (np.pi * 1.5)), (3.9, 6.0 / (np.pi * 3.9)), (4.1, 0.0)]
+)
+def test_a_beat_adds_less_the_oftener_it_turns(cycles: float, gained: float) -> None:
+    sigma = 0.4  # of a step: the first harmonic alone is left
+    left = np.sqrt(1.0 / 12.0 + sigma**2)
+    first = np.exp(-2.0 * (np.pi * sigma) ** 2) / np.pi
+    found = of_slow_beats(0.5, 1.0 + cycles / len(_ROWS), len(_ROWS), 0.5 * left)
+    assert found == pytest.approx(0.5 * first * gained / np.sqrt(2.0), rel=1e-3, abs=1e-7)
+
+
+def test_counts_that_leave_no_room_have_one_slope() -> None:
+    line = line_through_counts(np.array([0.0, 1.0, 0.0]) + 2.0 * np.arange(3.0), np.arange(3.0), 1.0)
+    assert line is not None
+    assert line.slope == pytest.approx(2.0)
+    assert line.standard == 0.0
