@@ -42,6 +42,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "slip_0.3": replace(_QUIET, slip=0.003, periods=100.0),
     "slip_0.05": replace(_QUIET, slip=0.0005, periods=100.0),
     "slip_0.3_noise": replace(_QUIET, slip=0.003, periods=60.3, noise=1e-2),
+    "slip_of_a_sine": replace(_QUIET, slip=0.003, harmonics={}, periods=57.2, noise=8e-4),
     "encoder_1000": replace(_QUIET, counts=1000),
     "encoder_4096_noise": replace(_QUIET, counts=4096, noise=1e-2),
     "encoder_64": replace(_QUIET, counts=64, noise=3e-3),
@@ -81,6 +82,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "few_samples_a_period": replace(
         _QUIET, noise=3e-3, periods=500.3, frequency_Hz=811.7, harmonics={5: HARMONICS[5]}
     ),
+    "few_rows_few_periods": replace(_QUIET, frequency_Hz=412.7, periods=8.4),
     "two_periods": replace(_QUIET, periods=2.9, noise=3e-3),
     "six_periods_coloured": replace(_QUIET, periods=6.45, noise=1e-2, colour=0.98, angle=False),
     "standstill_within": replace(_QUIET, stands_still=0.1, periods=80.0),

@@ -39,6 +39,7 @@ _BLOCKS = 64
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _FEWEST_BLOCKS = 8
 _AT_ENDS = 4  # periods
+_MOSTLY = 0.5  # of a variance
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
@@ -208,10 +209,12 @@ def _turned(
     scatter = _of_angle(track)
     if track.measured_rad is None or (track.departure is None and math.isfinite(scatter.standard)):
         source = "deviation of the angle from its fit, by parts of the record"
-        lines = [Contribution(source, "A", scatter.standard, scatter.dof)]
+        bend_rad = _half_of_bend(track)
+        of_bend = Contribution("swing slower than the record, of the rotor or its sensor", "B", abs(bend_rad))
+        lines = [Contribution(source, "A", scatter.standard, scatter.dof), of_bend]
         if track.resolution_rad > 0.0:
             lines.append(Contribution("steps of the angle that beat with the rows", "B", _of_beats(track)))
-        return smooth_rad, lines, source
+        return smooth_rad + bend_rad, lines, source
     turned_rad, of_ends = _by_ends(track, track.measured_rad)
     # what the signal does not do with the angle may be an error of the angle, at each end another
     departed = Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad)
@@ -264,6 +267,22 @@ def _of_angle(track: PhaseTrack) -> MeanError:
     scatter = error_of_series(np.array(moments))
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
     return MeanError(slope * (count - 1), min(scatter.dof, parts - 3.0))
+
+
+def _half_of_bend(track: PhaseTrack) -> float:
+    """Return half of the phase, rad, from the first to the last row of a cubic course of the angle about its
+    fit, where that is most of what it does; else 0.
+
+    A swing of the rotor that is slower than the record has turned it by all of that, and an error of the
+    sensor, as once in a revolution, by none: each is as likely, and half of it a standard deviation away.
+    """
+    if track.measured_rad is None:
+        return 0.0
+    left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
+    x = np.linspace(-1.0, 1.0, track.samples)
+    # Legendre's polynomial of third degree, of mean square 1/7, is 1 and -1 at the ends
+    size = 7.0 * float(np.mean(0.5 * x * (5.0 * x**2 - 3.0) * left))
+    return size if size**2 / 7.0 > _MOSTLY * float(np.var(left)) else 0.0
 
 
 def _marks(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:

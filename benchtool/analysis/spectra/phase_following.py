@@ -381,8 +381,8 @@ def _without_alternation(phase_rad: NDArray[np.float64]) -> NDArray[np.float64]:
 
     Fourth differences over sixteen leave that as it is, and take away nearly all that is smooth.
     """
-    fourth = np.convolve(phase_rad, _FOURTH_DIFFERENCE, mode="valid")
-    if not len(fourth):
+    if len(phase_rad) < len(_FOURTH_DIFFERENCE):
         return phase_rad
+    fourth = np.convolve(phase_rad, _FOURTH_DIFFERENCE, mode="valid")
     signs = np.where(np.arange(len(phase_rad)) % 2, -1.0, 1.0)
     return np.asarray(phase_rad - signs * float(np.mean(signs[2:-2] * fourth)), dtype=np.float64)

@@ -28,6 +28,7 @@ _STANDS_OUT = 12.0  # times the mean square of noise: by chance one frequency in
 _MOST = 2.0  # times what the fundamental does, of a line that motion does not cancel by chance
 _CLEARLY, _NO_EVENT = 4.0, 2.0  # standard deviations; of a sum that one period makes it is one
 _MOST_LINES, _PADDED = 8, 8
+_SURELY = 2.0  # times what leaks, above which a harmonic is one
 _LN_2 = math.log(2.0)  # median over mean of an exponential distribution
 
 
@@ -55,14 +56,15 @@ def repetition(coherent: CoherentSamples) -> Repetition | None:
     first = phasors[:, 0]
     size = float(np.mean(np.abs(first)))
     lines = phasors[:, 1:] * np.exp(-1j * np.outer(np.angle(first), np.arange(2, highest + 1)))
+    phase_rad, orders = np.unwrap(np.angle(first)), np.arange(2, highest + 1)
     mean, scatter2 = np.mean(lines, axis=0), np.var(lines, axis=0)
-    known = np.abs(mean) ** 2 > scatter2  # others may be what the fundamental leaks there
-    phase_rad = np.unwrap(np.angle(first))
+    # others may be what the fundamental leaks there, whose phase is no k-fold of its own
+    known = np.abs(mean) ** 2 > scatter2 + (_SURELY * size * _leaked(phase_rad, orders)) ** 2
     moved = fft.rfft(phase_rad)[1:]
     to_rad2 = 2.0 / len(first) ** 2
     if not size > 0.0 or not np.any(known):
         return Repetition(0.0, math.sqrt(to_rad2 * float(np.sum(np.abs(moved) ** 2))), phase_rad)
-    order, relative = np.arange(2, highest + 1)[known], lines[:, known] / mean[known]
+    order, relative = orders[known], lines[:, known] / mean[known]
     of_first = fft.rfft(np.abs(first) / size)[1:]
     in_phase, quadrature = fft.rfft(relative.real, axis=0)[1:], fft.rfft(relative.imag, axis=0)[1:]
     beside, noise2 = _beside(in_phase, quadrature, of_first, order)
@@ -97,6 +99,14 @@ def _phasors(coherent: CoherentSamples, highest: int) -> Complex:
         weights = window[:, np.newaxis] * part
         found.append((table @ weights[:size])[:-1] + (table @ weights[size:])[1:])
     return np.asarray(found[0] + 1j * found[1])
+
+
+def _leaked(phase_rad: Floats, order: NDArray[np.int64]) -> Floats:
+    """Return what a fundamental of amplitude 1 whose phase, shape (periods - 1,), turns against the periods
+    leaks to harmonics, shape (orders,), by the spectrum of a Hann window: sinc(d) / (1 - d^2) at d bins."""
+    turned = float(np.sqrt(np.mean(np.diff(phase_rad) ** 2))) / np.pi  # bins of two periods
+    apart = np.stack([2.0 * (order - 1.0) - turned, 2.0 * (order + 1.0) + turned])
+    return np.asarray(np.sum(np.abs(np.sinc(apart) / (1.0 - apart**2)), axis=0))
 
 
 def _beside(

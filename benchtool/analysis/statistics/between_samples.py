@@ -69,22 +69,27 @@ def between_samples(samples: Floats, turns: Floats) -> Between | None:
     if not np.all(count):
         return None
     means = np.bincount(at, weight * samples, places) / count
-    rest = samples - means[at]
-    # what moves whole periods is no noise either
-    period = np.maximum(turns, 0.0).astype(np.int64)
-    of_periods = np.bincount(period, rest) / np.maximum(1, np.bincount(period))
-    rest -= np.interp(turns, np.arange(len(of_periods)) + 0.5, of_periods)
-    variance = float(rest @ rest) / max(1, len(samples) - places)
-    noise2 = variance * _OF_HANN / len(samples)
+    noise2 = _variance(samples - means[at], turns, places) * _OF_HANN / len(samples)
     bins = fft.rfft(means) / places
     bins[np.abs(bins) ** 2 <= _STANDS_OUT * noise2] = 0.0
     if not np.any(bins[1:]):
         return None
     curve = fft.irfft(bins, _FINER * places) * (_FINER * places)
+    fine = np.arange(len(curve)) / len(curve)
     sampled = np.unique(np.round(phase * len(curve)).astype(np.int64) % len(curve))
     # as often as in the samples: of few values percentiles would be between two of them
     return Between(
         curve,
         np.repeat(sampled, math.ceil(min(len(samples), _MOST_PLACES) / len(sampled))),
-        math.sqrt(variance),
+        # where samples move about their places, they do so on the curve
+        math.sqrt(_variance(samples - np.interp(phase, fine, curve, period=1.0), turns, places)),
     )
+
+
+def _variance(rest: Floats, turns: Floats, places: int) -> float:
+    """Return the variance of what samples, shape (n,), leave of so many values, but for what moves whole
+    periods, which is no noise."""
+    period = np.maximum(turns, 0.0).astype(np.int64)
+    of_periods = np.bincount(period, rest) / np.maximum(1, np.bincount(period))
+    own = rest - np.interp(turns, np.arange(len(of_periods)) + 0.5, of_periods)
+    return float(own @ own) / max(1, len(rest) - places)

@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
+from benchtool.analysis.spectra.resampling import HALF_WIDTH, interpolate
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES, HeavyTail, scatter_of_largest
 from benchtool.analysis.statistics.maxima import (
     ends_before_normal,
@@ -30,6 +31,8 @@ _SAMPLES_OF_TAIL = 1 << 17
 _IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
 _PARTS_OF_PERIOD, _MOST_PARTS = 16, 4096
+_FRACTIONS = np.arange(-8, 9) / 16.0  # of a row
+_CLEARLY, _AGAIN = 0.5, 0.5  # times the other standard deviation; a correlation
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 
 
@@ -72,25 +75,56 @@ def extremes_of_ripple(
     step: float = 0.0,
     slow: SlowRipple | None = None,
 ) -> float:
-    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period of
-    samples, shape (n,), without their slow lines, `rest`, and without a course of few constants; unless
+    """Return the standard deviation of the peak-to-peak over records, as `_by_extremes` of each period.
+
+    A crest between two rows is missed by another part of it in each period, which comes back in every record
+    and is no chance. Where the extremes of the curve between the samples clearly differ by less, and not as
+    something that repeats, it is by these.
+    """
+    whole, without = (_extremes_of_periods(each, begin) for each in (samples, rest))
+    if slow is None or not slow.swings:
+        of_curve = _extremes_of_curve(samples, begin)
+        of_rest = of_curve if rest is samples else _extremes_of_curve(rest, begin)
+        is_less = step < _apart(of_rest) < _CLEARLY * _apart(without)
+        if is_less and not any(map(_repeat, of_rest)):
+            return _by_extremes(of_curve, of_rest, samples, rest, tails, step)
+    return _by_extremes(whole, without, samples, rest, tails, step, slow)
+
+
+def _apart(extremes: tuple[Floats, Floats]) -> float:
+    """Return by how much extremes of periods, each of shape (periods,), differ, both together."""
+    return math.hypot(*(float(np.std(each)) for each in extremes))
+
+
+def _by_extremes(
+    whole: tuple[Floats, Floats],
+    without: tuple[Floats, Floats],
+    samples: Floats,
+    rest: Floats,
+    tails: Tails,
+    step: float,
+    slow: SlowRipple | None = None,
+) -> float:
+    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period,
+    `whole`, of samples, shape (n,), and `without` their slow lines, of `rest`, and without a course of few
+    constants; unless
     those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
     falls over the whole record, as in part of a beat: what it comes to is not told. Values in heaps that are
     no `step` of a converter, whose resolution is elsewhere, end in the next heap or not. Of a ripple that
     beats, by what is `slow` of it, those of its larger periods count as if all were of its largest size, and
     where its crests meet those of the beat is as in records that begin later."""
     found = [
-        [_about_course(each, rest is not samples) for each in _extremes_of_periods(rest, begin)],
-        [_about_course(each) for each in _extremes_of_periods(samples, begin)],
+        [_about_course(each, rest is not samples) for each in without],
+        [_about_course(each) for each in whole],
     ]
     is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
     largest, least = found[0] if is_told else found[1]
     of_beat = 0.0
     if slow is not None and slow.swings:
         largest, least, of_beat = _in_beat(samples, slow)
-    if _grows_throughout(np.add(*_extremes_of_periods(samples, begin))):
+    if _grows_throughout(np.add(*whole)):
         return math.nan
-    heaps = [scatter_of_heap(each) for each in _extremes_of_periods(samples, begin)]
+    heaps = [scatter_of_heap(each) for each in whole]
     if any(heaps) and not step > 0.0:
         both = (of_heap or each.scatter(0.0) for of_heap, each in zip(heaps, (largest, least), strict=True))
         return math.hypot(*both)
@@ -149,6 +183,41 @@ def _in_beat(samples: Floats, slow: SlowRipple) -> tuple[_Maxima, _Maxima, float
 
 def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
     return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
+
+
+def _extremes_of_curve(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Return the extremes of periods of the band-limited curve through samples, shape (n,), a sixteenth of a
+    row apart, but for the first and last rows: about each that a crest of the curve beside it may exceed the
+    largest of its period from, by an eighth of the usual bend (Taylor's theorem), and by as much again."""
+    inner = np.arange(HALF_WIDTH, len(samples) - HALF_WIDTH - 1)
+    period = np.searchsorted(begin, inner, side="right") - 1
+    bend = 0.25 * float(np.sqrt(np.mean(np.diff(samples, 2) ** 2)) * math.sqrt(2.0))
+    found = []
+    for signed, extremes in zip((samples, -samples), _extremes_of_periods(samples, begin), strict=True):
+        near = signed[inner] >= extremes[period] - bend
+        positions = (inner[near, np.newaxis] + _FRACTIONS).ravel()
+        values = interpolate(signed, positions) if len(positions) else np.empty(0)
+        largest = extremes.copy()
+        np.maximum.at(largest, np.repeat(period[near], len(_FRACTIONS)), values)
+        found.append(largest[_inner_periods(begin, len(samples))])
+    return found[0], found[1]
+
+
+def _inner_periods(begin: NDArray[np.int64], count: int) -> slice:
+    """Return the periods throughout which the curve is known; all of them where these are few."""
+    ends = np.append(begin[1:], count)
+    first = int(np.searchsorted(begin, HALF_WIDTH))
+    last = int(np.searchsorted(ends, count - HALF_WIDTH - 1, side="right"))
+    return slice(first, last) if last - first >= FEWEST_EXTREMES else slice(None)
+
+
+def _repeat(values: Floats) -> bool:
+    """Return whether values, shape (n,), come again after some of them, as of a ripple that beats with the
+    periods or repeats once in a revolution: by a correlation of more than a half."""
+    deviation, count = values - np.mean(values), len(values)
+    power = float(deviation @ deviation)
+    covariance = np.correlate(deviation, deviation, "full")[count : count + count // 2]
+    return power > 0.0 and float(np.max(covariance, initial=0.0)) > _AGAIN * power
 
 
 def _grows_throughout(spans: Floats) -> bool:

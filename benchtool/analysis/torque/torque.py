@@ -134,8 +134,9 @@ _NUMBERS: Final = (
         "Nm",
         "max(x) - min(x)",
         "how much the peak-to-peak of another record of this length differs: of the largest of the periods' "
-        "maxima and of minima by the generalised extreme value distribution of their L-moments, over all its "
-        "shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
+        "maxima and of minima (of the curve between rows, where these differ by half as much, and not as "
+        "something that repeats) by the generalised extreme value distribution of their L-moments, over all "
+        "its shapes, and no less than of normal noise (Phi^N); of heavy tails, or where neighbours are alike, "
         "pi / sqrt(6) times the mean excess of the 1.5 sqrt(N_p) largest over the next, over that of scale 1 "
         "(Gumbel's distribution; of heavy tails Fréchet's), and that of max - min where both grow together; "
         "of independent samples with heavy tails the root mean square of that and of what the largest "

@@ -147,6 +147,15 @@ def test_a_followed_swing_bends_on_to_both_ends_of_the_record(swing_Hz: float, l
     assert np.max(np.abs(relative)) < 2.5
 
 
+def test_four_phases_that_leave_the_track_are_too_few_to_be_followed() -> None:
+    time = np.arange(round(6.9 * 25)) / (6.9 * 25)
+    phase = 2.0 * np.pi * 6.9 * (time + 0.05 * (time**3 - time))
+    _, track, seen = follow(np.cos(phase), RATE_HZ, track_angle(2.0 * np.pi * 6.9 * time, 1))
+    assert len(seen.phase_rad) == 4
+    assert seen.excess_rad > 0.0
+    assert track.departure is None
+
+
 @pytest.mark.parametrize("with_angle", [True, False])
 def test_sidebands_of_the_fundamental_alone_are_no_wander_of_the_phase(with_angle: bool) -> None:
     phase = 2.0 * np.pi * FREQUENCY_HZ * T
@@ -185,6 +194,17 @@ def test_along_an_angle_the_frequency_is_that_of_its_ends() -> None:
     turned = float(LINEAR(SAMPLES - 1.0) - LINEAR(0.0) + swing[-1] - swing[0])
     assert found.uncertainty is not None
     assert abs(found.value - turned * RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))) < found.uncertainty.expanded
+
+
+def test_a_swing_slower_than_the_record_is_the_rotors_or_its_sensors() -> None:
+    """A quadratic fit leaves a part of it out, which is alike in no two parts of the record."""
+    swing = 0.08 * np.sin(2.0 * np.pi * 0.1 * T + 0.4)
+    found = frequency_of(track_angle(np.asarray(LINEAR(T * RATE_HZ)) + swing, 1), still())
+    per_rad_Hz = RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))
+    of_rotor = FREQUENCY_HZ + per_rad_Hz * (swing[-1] - swing[0])
+    of_fit = FREQUENCY_HZ + per_rad_Hz * float(np.ptp(Polynomial.fit(T, swing, 2)(T[[0, -1]])))
+    assert 0.5 < abs(found.value - of_rotor) / standard(found) < 1.0
+    assert 0.5 < abs(found.value - of_fit) / standard(found) < 1.0
 
 
 def test_the_resolution_of_an_angle_does_not_average_out_of_its_ends() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis.periods import track_tone
+from benchtool.analysis.periods import track_angle, track_tone
 from benchtool.analysis.spectra.modulation import apart_in_time
 from benchtool.analysis.spectra.phase_following import follow
 from benchtool.analysis.spectra.repetition import repetition
@@ -87,3 +87,15 @@ def test_a_mean_over_periods_is_that_over_time_where_the_speed_is_constant() -> 
     assert apart_in_time(amplitude, edges) == pytest.approx(0.5 * 0.1 * 0.02, rel=0.02)
     edges = np.concatenate([[0.0], np.cumsum(1.0 - 0.2 * (amplitude - 1.0))])
     assert apart_in_time(amplitude, edges) == pytest.approx(-0.5 * 0.1 * 0.02, rel=0.02)
+
+
+@pytest.mark.parametrize("slip", [-0.0046, 0.003])
+def test_what_a_fundamental_that_slips_leaks_to_its_harmonics_is_none_of_them(slip: float) -> None:
+    angle = 2.0 * np.pi / 21.0 * np.arange(1200.0)
+    for begin in np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False):
+        phase = angle * (1.0 + slip) + begin
+        samples = np.cos(phase) + 8e-4 * np.random.default_rng(2).standard_normal(len(phase))
+        _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
+        assert "itself" in track.source
+        assert seen.excess_rad < 1e-3
+        assert float(np.std(track.at(np.arange(1200.0)) - phase)) < 1e-3

@@ -36,6 +36,16 @@ def test_places_that_are_everywhere_miss_nothing() -> None:
     assert between is None or between.error_of(np.ptp) < 1e-5
 
 
+def test_samples_that_move_about_their_places_are_no_noise() -> None:
+    samples, turns = ripple(20.5 - 2e-4, 0.013, order=6)
+    still = between_samples(*ripple(20.5, 0.013, order=6))
+    moved = between_samples(samples + 1e-3 * np.random.default_rng(1).standard_normal(len(turns)), turns)
+    assert still is not None
+    assert moved is not None
+    assert moved.noise == pytest.approx(1e-3, rel=0.1)
+    assert moved.error_of(np.ptp) == pytest.approx(still.error_of(np.ptp), rel=0.3)
+
+
 def test_noise_and_a_drift_are_no_curve() -> None:
     turns = ripple(20.0)[1]
     noise = [

@@ -398,3 +398,19 @@ def test_periods_that_end_between_rows_are_cut_there() -> None:
             relative[name].append((each.value - truth) / each.uncertainty.standard)
     for errors in relative.values():
         assert np.mean(np.abs(errors) < 2.0) >= 0.9
+
+
+def test_what_rows_miss_of_a_crest_in_each_period_is_no_scatter_of_the_peak_to_peak() -> None:
+    """Four rows in a period of the ripple, at other places of each: single periods differ by half of it."""
+    random, values, stated = np.random.default_rng(6), [], []
+    for _ in range(30):
+        turns = (np.arange(410.0) + random.uniform()) / 24.2313
+        torque = 2.0 + 0.1 * np.cos(12.0 * np.pi * turns) + 0.05 * np.cos(6.0 * np.pi * turns + 0.4)
+        torque += 1e-3 * random.standard_normal(len(torque))
+        block = Block.from_arrays(1e4, {"torque": "Nm"}, torque=torque)
+        found = torque_ripple(block, track=track_angle(2.0 * np.pi * turns, 1))
+        number = next(each for each in found if each.name == "torque_ripple_pp")
+        assert number.uncertainty is not None
+        values.append(number.value)
+        stated.append(number.uncertainty.standard)
+    assert 0.7 < np.std(values) / np.sqrt(np.mean(np.square(stated))) < 1.4
