@@ -129,12 +129,16 @@ def unwrapped_angle(theta_m: NDArray[np.float64], name: str = "theta_m") -> NDAr
     jumps = np.abs(steps) > _SMALLEST_JUMP * span
     if not jumps.any() or 2 * np.count_nonzero(jumps) >= len(steps):
         return np.asarray(theta_m, dtype=np.float64)
-    # it starts over one sample's step past its range, which the other steps tell
-    period = span + float(np.median(np.abs(steps[~jumps])))
+    # it starts over one sample's step past its range, which the other steps tell; where rows are missing
+    # there, by as much as elsewhere, further on
+    others = np.abs(steps[~jumps])
+    step, largest = float(np.median(others)), float(np.max(others))
+    period = span + step
     turns = max(1, round(period / TURN))
-    step = period - span
+    missing = turns * TURN - span
     in_degrees = abs(period - 360.0) < _WRAP_TOLERANCE * 360.0  # which is near 57 turns of 2 pi
-    if in_degrees or turns > _MOST_TURNS or abs(period - turns * TURN) > _WRAP_TOLERANCE * TURN + step:
+    is_whole = -_WRAP_TOLERANCE * TURN <= missing <= _WRAP_TOLERANCE * TURN + max(2.0 * step, largest)
+    if in_degrees or turns > _MOST_TURNS or not is_whole:
         raise AnalysisError(
             f"'{name}' starts over at about {period:.3g}, a whole turn of {TURN:.4g} rad is expected: state "
             f"the unit of the angle (deg, rev)"

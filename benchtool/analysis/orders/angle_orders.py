@@ -42,7 +42,9 @@ class AngleFit:
     noise_dof: float
 
 
-def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int) -> AngleFit:
+def fit_orders(
+    coverage: AngleCoverage, values: NDArray[np.float64], highest_order: int, name: str = "values"
+) -> AngleFit:
     """Return sines of orders 1 to `highest_order` and a constant, fitted on angle by weighted least squares.
 
     As Lomb and Scargle fit one sine to uneven samples, but with all orders at once, so that uneven coverage
@@ -61,11 +63,12 @@ def fit_orders(coverage: AngleCoverage, values: NDArray[np.float64], highest_ord
         coverage: the angle.
         values: shape (n,), taken at those angles.
         highest_order: fit no orders above it.
+        name: what the values are, in messages.
 
     Raises:
         AnalysisError: not finite, constant, or the samples do not determine even order 1.
     """
-    require_signal(values, "values")
+    require_signal(values, name)
     cell = coverage.revolution * _SECTORS
     cell += np.floor(np.mod(coverage.angle_rad, TURN) * (_SECTORS / TURN)).astype(np.int64) % _SECTORS
     _, place, visits = np.unique(cell, return_inverse=True, return_counts=True)

@@ -289,7 +289,7 @@ def fitted_orders(
     Raises:
         AnalysisError: not finite, constant, or an arc of the circle is left out.
     """
-    fit = fit_orders(coverage, values, HIGHEST_ORDER)
+    fit = fit_orders(coverage, values, HIGHEST_ORDER, signal)
     count = len(fit.coefficient)
     arc = math.degrees(coverage.largest_arc_rad)
     method = (

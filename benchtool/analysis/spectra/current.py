@@ -285,7 +285,9 @@ def _noise(
     )
     for name, of, text in names:
         if floor is None:
-            yield Measurement.undefined(name, of, text, "fewer than 8 bins are between harmonics", basis)
+            yield Measurement.undefined(
+                name, of, text, "fewer than 8 bins are between harmonics: record longer", basis
+            )
             continue
         value = floor.amplitude if name == "current_noise_floor" else floor.density
         source = f"medians of {floor.bins} bins in bands"

@@ -109,7 +109,7 @@ def _corrected(
         f"it), at least 0, / fundamental"
     )
     if math.isnan(distortion.corrected):
-        reason = "fewer than 8 bins are between harmonics"
+        reason = "fewer than 8 bins are between harmonics: record longer"
         return Measurement.undefined(name, "%", text, reason, basis)
     source = "scatter of the noise in the harmonics, and of the floor that is taken out"
     uncertain = _percent(distortion.corrected_budget, source)
@@ -171,7 +171,11 @@ def group_distortions(
         base = f"{kind} of order 1"
         if groups is None:
             text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after {_STANDARD}"
-            reason = "four periods, and two harmonics in the band, are needed"
+            orders = max(0, int(coherent.usable_order))
+            reason = (
+                f"{coherent.periods} electrical periods in the window and {orders} harmonics in the band, at "
+                f"least 4 and 2 are needed: record longer, or at a higher rate"
+            )
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         clean = groups if beside is None else beside.without

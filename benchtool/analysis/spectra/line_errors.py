@@ -82,7 +82,11 @@ class LineErrors:
     @property
     def unknown(self) -> str:
         """Why an amplitude has no uncertainty, where it has none."""
-        return TOO_SLOW if math.isnan(self.wander[0]) else "the noise beside the lines is not known"
+        return (
+            TOO_SLOW
+            if math.isnan(self.wander[0])
+            else "the noise beside the lines is not known: record longer"
+        )
 
     def budget(self, index: int, *, of_ratio: bool = False) -> tuple[Contribution, ...]:
         """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in

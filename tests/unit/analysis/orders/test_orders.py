@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from benchtool.analysis.orders.angle import TURN, angle_coverage, between_updates, least_step_rad
+from benchtool.analysis.orders.angle import (
+    TURN,
+    angle_coverage,
+    between_updates,
+    least_step_rad,
+    unwrapped_angle,
+)
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import describe_orders, order_analysis
@@ -237,6 +243,15 @@ def test_amplitudes_scale_and_know_no_offset_and_no_direction(
     truth = np.zeros(20)
     truth[[0, 11]] = gain, 0.3 * gain
     np.testing.assert_allclose(2 * np.abs(fit.coefficient), truth, atol=1e-9 * (gain + abs(offset)))
+
+
+def test_rows_that_are_missing_where_the_angle_starts_over_are_no_other_unit() -> None:
+    """Of two turns, and an arc of 60 degrees elsewhere, where rows are missing as well."""
+    angle = np.mod(np.linspace(0.0, 2.3 * 2.0 * np.pi, 160), 2.0 * np.pi)
+    kept = angle[(angle < 5.3) & ((angle < 2.0) | (angle > 3.05))]
+    turned = unwrapped_angle(kept)
+    assert np.all(np.diff(turned) > 0.0)
+    assert np.ptp(turned) == pytest.approx(2.3 * 2.0 * np.pi, abs=0.1)
 
 
 @pytest.mark.parametrize(
