@@ -44,7 +44,7 @@ _LARGEST_LISTED = 10
 _CHANNELS: Final = "torque", "omega_m"
 _SECTORS = 72
 _NEARLY_ALL = 1.4  # half of a variance
-_FEWEST_TO_REPEAT = 4  # revolutions
+_FEWEST_TO_REPEAT, _TURNED_BACK = 4, 0.1  # revolutions
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 _NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" has no meaning
@@ -171,8 +171,11 @@ def _wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
     """
     try:
         track_angle(coverage.angle_rad, 1)
-    except AnalysisError:  # no steady speed
-        return Wobble()
+    except AnalysisError:  # no steady speed, but where it reversed one on the longer way
+        way = _longer_way(coverage.angle_rad)
+        if way == slice(None) or np.ptp(coverage.angle_rad[way]) < FEWEST_REVOLUTIONS * TURN:
+            return Wobble()
+        return _wobble_of(angle_coverage(coverage.angle_rad[way]), times[way])
     deviation = coverage.angle_rad - Polynomial.fit(times, coverage.angle_rad, 2)(times)
     mean = windowed = deviation  # few revolutions do not show what repeats: all of it may be the encoder's
     if coverage.revolutions >= _FEWEST_TO_REPEAT:
@@ -184,6 +187,15 @@ def _wobble_of(coverage: AngleCoverage, times: NDArray[np.float64]) -> Wobble:
     # from sample to sample only noise of the angle changes; that of its steps is taken into account elsewhere
     noise = 0.5 * float(np.mean(np.diff(deviation) ** 2)) if coverage.resolution_rad == 0.0 else 0.0
     return Wobble(math.sqrt(repeated + noise), repeated_wobble_rad(coverage.angle_rad, windowed))
+
+
+def _longer_way(angle_rad: NDArray[np.float64]) -> slice:
+    """Return the rows of an angle, shape (n,), before it turned back for good, or behind that, whichever are
+    more; all of them where it did not."""
+    at = int(np.argmax(np.abs(angle_rad - angle_rad[0])))
+    if abs(angle_rad[-1] - angle_rad[at]) < _TURNED_BACK * TURN:
+        return slice(None)
+    return slice(0, at + 1) if 2 * at > len(angle_rad) else slice(at, None)
 
 
 def describe_orders(

@@ -79,3 +79,16 @@ def test_a_course_that_no_revolution_repeats_is_no_wobble_of_a_sensor() -> None:
     spectrum = order_analysis(block_of(np.mod(settles, TURN), torque_at(settles)), "torque").spectrum
     assert spectrum.amplitude[71] == pytest.approx(0.2, rel=1e-6)
     assert spectrum.standard[71] < 2e-5  # 2e-3 by deviations of each revolution alike
+
+
+def test_of_a_rotor_that_reversed_the_sensor_errs_as_on_the_longer_way() -> None:
+    """Its order 72 reads low by a quarter of (72 e)^2 where the encoder errs by e once in a revolution."""
+    there = steady(14.0)
+    true = np.concatenate([there, there[-1] - (there[1:6000] - there[0])])
+    read = np.mod(true + 4e-3 * np.sin(true + 0.7), TURN)
+    found = order_analysis(block_of(read, torque_at(true)), "torque", orders=[72]).measurements
+    number = next(each for each in found if each.name == "torque_order_72")
+    assert number.uncertainty is not None
+    off = abs(number.value - COGGING[72][0])
+    assert off == pytest.approx(0.2 * (72 * 4e-3) ** 2 / 4.0, rel=0.1)
+    assert 0.5 < off / number.uncertainty.standard < 1.5
