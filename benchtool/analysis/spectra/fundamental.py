@@ -206,10 +206,10 @@ def _turned(
         # a speed that is not quite constant shows nowhere but where counts pass
         standard = max(counted.standard * (track.samples - 1), _of_beats(track))
         return counted.slope * (track.samples - 1), [Contribution(source, "B", standard)], source
-    scatter = _of_angle(track)
+    bend_rad = _half_of_bend(track)
+    scatter = _of_angle(track, bend_rad)
     if track.measured_rad is None or (track.departure is None and math.isfinite(scatter.standard)):
         source = "deviation of the angle from its fit, by parts of the record"
-        bend_rad = _half_of_bend(track)
         of_bend = Contribution("swing slower than the record, of the rotor or its sensor", "B", abs(bend_rad))
         lines = [Contribution(source, "A", scatter.standard, scatter.dof), of_bend]
         if track.resolution_rad > 0.0:
@@ -246,11 +246,11 @@ def _of_sine_fit(spectrum: CoherentSpectrum) -> MeanError:
     return MeanError(_HANN_FIT * phase_rad, beside.dof)
 
 
-def _of_angle(track: PhaseTrack) -> MeanError:
+def _of_angle(track: PhaseTrack, bend_rad: float) -> MeanError:
     """Return the uncertainty of the phase over the record of an angle's fit, by the scatter over its parts.
 
     The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2. What the angle does
-    in every period alike is not in the fit.
+    in every period alike is not in the fit, and a cubic course by `_half_of_bend` is no scatter.
     """
     if track.measured_rad is None or track.residual_rad is None:
         return MeanError(math.nan, math.nan)
@@ -262,7 +262,7 @@ def _of_angle(track: PhaseTrack) -> MeanError:
     measured_rad = track.measured_rad - repeated_rad
     for begin, end in itertools.pairwise(edges):
         number = np.arange(begin, end, dtype=np.float64)
-        left = measured_rad[begin:end] - track.at(number)
+        left = measured_rad[begin:end] - track.at(number) - bend_rad * _cubic(number, count)
         moments.append(float((number - 0.5 * (count - 1)) @ left))
     scatter = error_of_series(np.array(moments))
     slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
@@ -279,10 +279,15 @@ def _half_of_bend(track: PhaseTrack) -> float:
     if track.measured_rad is None:
         return 0.0
     left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
-    x = np.linspace(-1.0, 1.0, track.samples)
-    # Legendre's polynomial of third degree, of mean square 1/7, is 1 and -1 at the ends
-    size = 7.0 * float(np.mean(0.5 * x * (5.0 * x**2 - 3.0) * left))
+    size = 7.0 * float(np.mean(_cubic(np.arange(track.samples, dtype=np.float64), track.samples) * left))
     return size if size**2 / 7.0 > _MOSTLY * float(np.var(left)) else 0.0
+
+
+def _cubic(number: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return Legendre's polynomial of third degree at sample numbers, shape (n,), of so many: it is -1 and 1
+    at their ends, of mean square 1/7."""
+    x = 2.0 * number / (count - 1.0) - 1.0
+    return np.asarray(0.5 * x * (5.0 * x**2 - 3.0))
 
 
 def _marks(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:
