@@ -15,7 +15,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
 from benchtool.analysis.quantisation.counted_line import CountedLine, line_through_counts, of_slow_beats
 from benchtool.analysis.sensitivity import NO_SENSORS
-from benchtool.analysis.spectra.continuation import continuation
+from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
 from benchtool.analysis.spectra.noise import harmonic_noise
 from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise
@@ -184,7 +184,8 @@ def _turned(
 ) -> tuple[float, list[Contribution], str]:
     """Return the phase, rad, from the first to the last row, its budget, and in words what that is from."""
     smooth_rad = 2.0 * math.pi * track.periods
-    if by_tone and (track.departure is not None or seen.excess_rad > 0.0):
+    is_told = seen.excess_rad > 0.0 and len(seen.phase_rad) >= FEWEST
+    if by_tone and (track.departure is not None or is_told):
         # what is too little to be followed for the amplitudes, but no noise, is in the phase of both ends
         is_followed = track.departure is not None
         what = "what is left of the followed phase" if is_followed else "noise of the phases of periods"
