@@ -16,18 +16,17 @@ Floats = NDArray[np.float64]
 _LEAST = 0.02  # of the step: the least that counts as a movement
 SIGMAS = 3.0
 """Standard uncertainties of the curve: likewise."""
-_CONCAVE = 0.3  # of the way back along a line: that of an answer that gets slower, or of a steep one
-_FURTHER, _HALF_WAY = 3.0, 0.5  # times the level that clears the noise; of the step, up to which
-_TO_THE_ENDS = 1.05  # standard uncertainties from the middle to such a start and to one along a parabola
+_HALF_WAY, _FURTHEST = 0.5, 0.85  # of the way: to where the order of an answer is read, and at most
+_APART = 3.0  # times the level that clears the noise: to where it is read at least
+_ORDERS = 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0  # beyond, what is before the level hardly changes
 
 
 def departure(step: Step, curve: NoisyCurve) -> Instant | None:
     """Return where the signal leaves its level before the step.
 
-    The curve clears the noise later than that: the start is extrapolated from there and from three times as
-    far, or twice where that is beyond half the step. It lies between a part of the way along a line, as of an
-    answer that gets slower, and a parabola, as a second-order lag begins: the middle of both is taken. What
-    noise makes of it is drawn, as noise that moves the one place moves the other too.
+    The curve clears the noise later than that: from there the start is extrapolated along a lag after a dead
+    time. Of which order it is, the way on to half the step shows: from one that is fastest at its start to a
+    curve in the shape of an S. What noise makes of all three places is drawn, and with it the order.
     """
     curve, least = curve.beyond(float(np.mean(step.y_before))), _LEAST * step.height
     clear = np.maximum(least, SIGMAS * curve.standard)
@@ -39,24 +38,33 @@ def departure(step: Step, curve: NoisyCurve) -> Instant | None:
     threshold = float(clear[max(0, math.floor(left.place))])
     if threshold <= least:
         return left.instant
-    times = _FURTHER if _FURTHER * threshold <= _HALF_WAY * step.height else 2.0
-    further = curve.passage(times * threshold, of_level)
-    if further is None:
+    height = min(step.height, float(np.max(curve.values)))
+    near = threshold / height
+    top = min(max(_HALF_WAY, _APART * near), _FURTHEST)
+    if near >= top:
         return None
-    near, far = _back(left.place, further.place, times, least / threshold)
-    of_draws = np.add(*_back(left.places, further.places, times, least / threshold))
-    found = left.moved(left.place - 0.5 * float(near + far), left.places - 0.5 * of_draws)
-    between = float(far - near) / (2.0 * _TO_THE_ENDS)
-    return Instant(found.place, math.hypot(found.standard, between))
+    levels = least / height, near, math.sqrt(near * top), top
+    middle, last = (curve.passage(level * height, of_level) for level in levels[2:])
+    if middle is None or last is None:
+        return None
+    start = _start(levels, left.place, middle.place, last.place)
+    return left.moved(float(start), _start(levels, left.places, middle.places, last.places))
 
 
-def _back(
-    left: float | Floats, further: float | Floats, times: float, share: float
-) -> tuple[Floats | float, Floats | float]:
-    """Return how far before the place `left`, where a curve is beyond a level, it was at a `share` of that:
-    by a line, or a steeper start, and by a parabola, both through where it is `further`, `times` as far
-    beyond."""
-    apart = np.maximum(0.0, np.subtract(further, left))
-    line = np.minimum(left, apart * (1.0 - share) / (times - 1.0))
-    parabola = np.minimum(left, apart * (1.0 - math.sqrt(share)) / (math.sqrt(times) - 1.0))
-    return _CONCAVE * line, parabola
+def _start(
+    levels: tuple[float, ...], near: float | Floats, middle: float | Floats, last: float | Floats
+) -> Floats:
+    """Return where a lag passes the lowest of four `levels`, relative to its end, by its places at the other
+    three, each of shape (draws,) or one.
+
+    Lags of n equal time constants have answered by the distribution function of the gamma distribution of
+    shape n (Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 17); other n are between.
+    """
+    from scipy import special  # takes long to load
+
+    apart = np.maximum(np.subtract(middle, near), 0.0)
+    beyond = np.maximum(np.subtract(last, middle), 0.0)
+    start, *at = (special.gammaincinv(_ORDERS, level) for level in levels)
+    relative, back = (at[2] - at[1]) / (at[1] - at[0]), (at[0] - start) / (at[1] - at[0])
+    ratio = np.divide(beyond, apart, out=np.full_like(apart, np.inf), where=apart > 0.0)
+    return near - apart * np.interp(-ratio, -relative, back)

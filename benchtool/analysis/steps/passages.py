@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 _TROUGH = 2.0  # times as many, below a level that it has passed: no noise of a rise
 LEAST_DEFINED = 0.9
 """Of the draws, for an instant that the noise leaves certain."""
+_STRAIGHT = 1e-6  # a relative change of slope that is rounding
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
 _VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
@@ -105,11 +106,33 @@ def rising(above: Floats, sure: Floats) -> Floats:
 
 
 def _before_the_first(above: Floats) -> Crossing:
-    """Return where zero was crossed since the sample before the first, which was below: after the line
-    through the first two is there, unless they fall."""
-    slope = float(above[1] - above[0]) if len(above) > 1 else 0.0
-    reach = min(1.0, float(above[0]) / slope) if slope > 0.0 else 1.0
-    return Crossing(-0.5 * reach, 0.5 * reach)
+    """Return where zero was crossed since the sample before the first, which was below.
+
+    There a course leads whose slope goes on changing as it does after them, by a factor from row to row as
+    that of an exponential. How far it is from the line through the first two is how little it is known. Where
+    it does not lead to zero within the row, the curve jumped, and anywhere.
+    """
+    slope, later = np.diff(above[:3]).tolist() if len(above) > 2 else (0.0, 0.0)
+    if slope <= 0.0:
+        return Crossing(-0.5, 0.5)
+    line = float(above[0]) / slope
+    ahead = _back_to_zero(line, max(0.0, later) / slope)
+    if ahead >= 1.0:
+        return Crossing(-0.5, 0.5)
+    apart = abs(line - ahead)
+    first, last = max(-1.0, -ahead - apart), min(0.0, apart - ahead)
+    return Crossing(0.5 * (first + last), 0.5 * (last - first))
+
+
+def _back_to_zero(height: float, ratio: float) -> float:
+    """Return how many rows before a value, relative to its change to the next, zero was, if changes go on by
+    this ratio; infinity if never."""
+    if ratio == 0.0 or height == 0.0:
+        return 0.0
+    if abs(ratio - 1.0) < _STRAIGHT:
+        return height
+    left = 1.0 + height * (1.0 - ratio)
+    return -math.log(left) / math.log(ratio) if left > 0.0 else math.inf
 
 
 def last_passage(values: Floats, level: float, band: float) -> Crossing | None:

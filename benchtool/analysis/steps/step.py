@@ -187,7 +187,7 @@ def _settling_text(step: Step, band: float) -> str:
 def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
-        f"where {SIGMAS:g} x its uncertainty is more, from there back between a line and a parabola"
+        f"where {SIGMAS:g} x its uncertainty is more, from there back along a lag of the order that it shows"
     )
     left = departure(step, curve)
     ahead = left is not None and max(0.0, left.place) < step.zero - left.standard

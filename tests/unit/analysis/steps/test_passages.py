@@ -15,8 +15,20 @@ def passed(above: list[float]) -> Crossing:
 
 
 @pytest.mark.parametrize("ahead", [0.1, 0.5, 0.9])
-def test_a_level_that_the_first_sample_is_beyond_was_passed_since_the_one_before(ahead: float) -> None:
-    found = passed([ahead, ahead + 1.0, ahead + 2.0])
+@pytest.mark.parametrize("factor", [0.3, 0.9, 1.0, 1.2])
+def test_a_level_that_the_first_sample_is_beyond_was_passed_where_an_exponential_leads(
+    ahead: float, factor: float
+) -> None:
+    rows = ahead + np.arange(3.0)
+    above = rows if factor == 1.0 else (factor**rows - 1.0) / (factor - 1.0)
+    found = passed(above.tolist())
+    assert abs(found.place + ahead) <= found.reach + 1e-12
+    assert found.reach == pytest.approx(min(abs(above[0] / (above[1] - above[0]) - ahead), 0.5), abs=0.2)
+
+
+@pytest.mark.parametrize("ahead", [0.1, 0.5, 0.9])
+def test_before_a_change_that_nothing_follows_it_was_passed_since_the_line_through_it(ahead: float) -> None:
+    found = passed([ahead, ahead + 1.0, ahead + 1.0])
     assert found.place - found.reach == pytest.approx(-ahead)
     assert found.place + found.reach == pytest.approx(0.0)
 
