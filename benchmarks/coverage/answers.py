@@ -46,7 +46,7 @@ class Answer:
     `noise` and the amplitude of a `ripple`, with its period in rows, are relative to the step; `spikes` are a
     share of the rows and their height. Rows are late or early by up to `jitter`, each sample is held for
     `held` of them, `held_since` rows before the first, and a `walk` is added, each of whose steps has that
-    standard deviation.
+    standard deviation. Of the rows a share is `stale`, and repeats the one before.
     """
 
     modes: tuple[Mode, ...]
@@ -64,6 +64,7 @@ class Answer:
     held: int = 1
     held_since: int = 0
     walk: float = 0.0
+    stale: float = 0.0
 
     def anywhere(self, random: np.random.Generator) -> Answer:
         """Return one whose dead time ends anywhere within a row, and whose holds begin in any row: neither is
@@ -99,7 +100,8 @@ class Answer:
         y[hit] += height * random.choice([-1.0, 1.0], int(np.sum(hit)))
         y += np.cumsum(self.walk * random.standard_normal(count))
         held = (np.arange(count) + self.held_since) // self.held * self.held - self.held_since
-        return np.asarray(y[np.maximum(held, 0)])
+        new = np.where(random.random(count) < self.stale, 0, held) if self.stale else held
+        return np.asarray(y[np.maximum.accumulate(np.maximum(new, 0))])
 
 
 def _trial(what: Answer, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -207,6 +209,10 @@ ANSWERS: Mapping[str, Answer] = {
     "answer_ringing_reference_noise": Answer(_RINGING, noise=4e-3, of_reference=8e-3, rows=(150, 1000)),
     "answer_jitter_lag": Answer((Mode(1.0, 31.0),), jitter=0.3),
     "answer_held_late": Answer((Mode(1.0, 24.0, 90.0),), held=4, delay=5.1),
+    "answer_stale": Answer(_RINGING, stale=0.03),
+    "answer_stale_noise": Answer(_RINGING, stale=0.05, noise=2e-3),
+    "answer_stale_lag": Answer(_LAG, stale=0.05),
+    "answer_stale_bits_10": Answer(_RINGING, stale=0.04, bits=10),
     "answer_limited_few_rows": Answer((Mode(1.0, 13.0),), ramp=11.0, beyond=0.3, rows=(60, 400)),
 }
 

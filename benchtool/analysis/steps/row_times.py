@@ -23,6 +23,7 @@ _FEWEST = 5  # rows on a steep slope, beyond the numbers that are fitted
 _ROUGH = 2.0  # times the noise
 _OF_MEDIAN = 1.0 / 0.4549  # mean square over median square, of normal values
 _OF_SQUARE = 1.9  # relative standard deviation of that of one row
+_FAR_FROM_STEP = 2.0  # steps of a converter: neighbours so far apart are not equal by it
 _ROUNDING = 1e-6  # of the greatest change from row to row
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _ROUNDS = 10
@@ -36,10 +37,10 @@ def scatter_of_times(samples: Floats, noise: Noise, step: float) -> float:
     Exponentials and oscillations follow from a few samples before, and a slow course has no fourth
     difference. The least that these leave on steep slopes, relative to them, is that of the times, where it
     is more than `noise` and the `step` of a converter, with its own standard deviation added: too little
-    would be far too certain. It is by the median: corners are few. Without noise, rows that repeat the one
-    before, each of which is a row late, are seen too.
+    would be far too certain. It is by the median: corners are few. Rows that repeat the one before, each of
+    which is a row late, are counted.
     """
-    repeated = _share_of_repeated(samples) if noise.rms == 0.0 and step == 0.0 else 0.0
+    repeated = _of_repeated(samples, _FAR_FROM_STEP * step + (_CLEAR * noise.rms if step else 0.0))
     least = math.inf
     for residual, weights, fitted in _residuals(samples):
         of_noise = math.hypot(noise.of_sum(weights), step * math.sqrt(float(weights @ weights) / 12.0))
@@ -98,13 +99,20 @@ def _least_deviations(known: Floats, wanted: Floats) -> Floats:
     return np.asarray(solution)
 
 
-def _share_of_repeated(samples: Floats) -> float:
-    """Return how many of the samples on their way, shape (n,), are equal to the one before, alone."""
+def _of_repeated(samples: Floats, far: float) -> float:
+    """Return the mean square of how late samples, shape (n,), are because some rows repeat the one before.
+
+    Equal to it, between two that change by more than `far`, which a converter makes equal too, are those
+    alone: of a share q of repeated rows q (1 - q) of those that change. The rows late are geometrically
+    distributed then.
+    """
     changes = np.abs(np.diff(samples))
-    moves = changes > _ROUNDING * float(np.max(changes, initial=0.0))
+    moves = changes > max(far, _ROUNDING * float(np.max(changes, initial=0.0)))
     alone = (changes[1:-1] == 0.0) & moves[:-2] & moves[2:]
-    changed = int(np.count_nonzero(moves))
-    return float(np.count_nonzero(alone)) / changed if changed >= _FEWEST_CHANGES else 0.0
+    if (moved := int(np.count_nonzero(moves))) < _FEWEST_CHANGES:
+        return 0.0
+    share = 0.5 - math.sqrt(max(0.0, 0.25 - float(np.count_nonzero(alone)) / moved))
+    return share * (1.0 + share) / (1.0 - share) ** 2
 
 
 def even_hold(samples: Floats) -> tuple[int, int]:
