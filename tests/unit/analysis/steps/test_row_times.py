@@ -116,3 +116,22 @@ def test_rows_that_repeat_the_one_before_are_a_row_late(share: float) -> None:
     late[stale] = way[stale - 1]
     assert scatter_of_times(late, SILENT, 0.0) == pytest.approx(share**0.5, rel=0.35)
     assert scatter_of_times(way, SILENT, 0.0) == pytest.approx(0.0, abs=1e-6)
+
+
+def _stale(y: Floats, share: float, random: np.random.Generator) -> Floats:
+    rows = np.arange(len(y))
+    new = np.where(random.random(len(y)) < share, 0, rows)
+    return np.asarray(y[np.maximum.accumulate(new)])
+
+
+@pytest.mark.parametrize(("rms", "step"), [(0.0, 0.0), (2e-3, 0.0), (0.0, 1e-3), (1e-4, 1e-3)])
+def test_rows_that_repeat_the_one_before_are_seen_in_noise_and_on_levels(
+    rms: float, step: float
+) -> None:
+    random, share = np.random.default_rng(5), 0.15
+    y = _ringing(np.arange(0.0, 30 * TAU) / 10.0) + rms * random.standard_normal(450)
+    y = np.round(y / step) * step if step else y
+    noise = Noise(np.array([rms**2]))
+    late_rows = share * (1.0 + share) / (1.0 - share) ** 2
+    assert scatter_of_times(_stale(y, share, random), noise, step) == pytest.approx(late_rows**0.5, rel=0.4)
+    assert scatter_of_times(y, noise, step) < 0.05

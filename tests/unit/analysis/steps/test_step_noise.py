@@ -7,8 +7,11 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import special
 
 from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.steps.departure import departure
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step import analyze_step
 from benchtool.analysis.steps.step_shape import find_step
@@ -222,3 +225,15 @@ def test_a_signal_that_follows_a_reference_that_wanders_does_not() -> None:
     assert not followed.reason
     alone = _one(y + 1e-3 * random.standard_normal(2400), r - walk, "plateau_mean")
     assert "wanders" in alone.reason
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_start_that_noise_hides_is_that_of_a_lag_of_the_order_that_the_rest_shows(order: int) -> None:
+    rows, tau, dead = np.arange(600.0), 24.0 / order, 7.0
+    y = special.gammainc(order, np.maximum(rows - 100.0 - dead, 0.0) / tau)
+    step = find_step(_block(y, _step(0.0, 1.0, len(rows))), "torque", "torque_reference", held=True)
+    draws = 0.03 * np.random.default_rng(1).standard_normal((40, 1))
+    found = departure(step, NoisyCurve(step.y, draws * np.ones(len(step.y))))
+    assert found is not None
+    assert found.place == pytest.approx(dead + tau * special.gammaincinv(order, 0.02), abs=0.3)
+    assert 0.3 < found.standard < 4.0
