@@ -125,9 +125,7 @@ def _stale(y: Floats, share: float, random: np.random.Generator) -> Floats:
 
 
 @pytest.mark.parametrize(("rms", "step"), [(0.0, 0.0), (2e-3, 0.0), (0.0, 1e-3), (1e-4, 1e-3)])
-def test_rows_that_repeat_the_one_before_are_seen_in_noise_and_on_levels(
-    rms: float, step: float
-) -> None:
+def test_rows_that_repeat_the_one_before_are_seen_in_noise_and_on_levels(rms: float, step: float) -> None:
     random, share = np.random.default_rng(5), 0.15
     y = _ringing(np.arange(0.0, 30 * TAU) / 10.0) + rms * random.standard_normal(450)
     y = np.round(y / step) * step if step else y
