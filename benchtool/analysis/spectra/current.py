@@ -323,8 +323,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "Hz",
             "phase between first and last row / (2 pi duration)",
             "of the slopes that the angle's counts allow at a constant speed, or else of the slope of its "
-            "fit, by 64 parts of the record and their correlation, steps that beat with the rows, and half of a "
-            "swing slower than the record; of "
+            "fit, by 64 parts of the record and their correlation, steps that beat with the rows, and half "
+            "of a swing slower than the record; of "
             "the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
             "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "
