@@ -16,6 +16,7 @@ from benchtool.analysis import (
     count_of,
     held_rows,
     record_basis,
+    require_signal,
     ripple_of_rows,
 )
 from benchtool.analysis.orders import (
@@ -33,7 +34,6 @@ from benchtool.analysis.spectra import (
     current_unbalance,
     spectral_lines,
 )
-from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
@@ -66,8 +66,8 @@ def results(record: Record) -> Iterator[Measurement | Table]:
             yield from _ripple(record, periods, what)
         if "angle" in record.channels or record.question.omega_m_rad_s is not None:
             yield from _orders(record, what)
-        elif what != "current" and record.uniform is not None:
-            yield from _lines(record, record.uniform, what)
+        elif what != "current" and record.even is not None:
+            yield from _lines(record.even, what)
 
 
 def _undefined(record: Record, what: str, reason: str) -> Iterator[Measurement]:
@@ -130,16 +130,33 @@ def _limited(record: Record, number: Measurement, held: float) -> Measurement:
 def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
     name = record.channels["current"].name
     try:
-        spectrum = _current_spectrum(record, periods, name)
+        even = _even(record)
+        spectrum = _current_spectrum(even, Periods(even) if even is not record else periods, name)
     except AnalysisError as refused:
+        reason = _of_stretch(record, refused)
         for number, unit, definition in _AC_NUMBERS:
-            yield Measurement.undefined(number, unit, f"{definition} of {name}", str(refused), record.basis)
+            yield Measurement.undefined(number, unit, f"{definition} of {name}", reason, record.basis)
         yield from _ripple(record, periods, "current")
-        yield from _unbalance(record, None, str(refused))
+        yield from _unbalance(record, None, reason)
         return
     yield from spectrum.measurements
-    yield from _unbalance(record, spectrum.track, "")
+    yield from _unbalance(even, spectrum.track, "")
     yield from spectrum.tables
+
+
+def _even(record: Record) -> Record:
+    """Return the rows with even steps of which a spectrum is made; raises AnalysisError where there are
+    none."""
+    if record.even is None:
+        raise AnalysisError(record.uneven)
+    return record.even
+
+
+def _of_stretch(record: Record, refused: AnalysisError) -> str:
+    """Return why there is no number, and that it would have been of a stretch of the rows if it is so."""
+    if record.even is None or record.even is record:
+        return str(refused)
+    return f"{record.uneven}; the longest stretch without a gap, {len(record.even.data)} rows: {refused}"
 
 
 def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpectrum:
@@ -147,6 +164,7 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
     base = record.base
     if record.uniform is None:
         raise AnalysisError(record.uneven)
+    require_signal(record.column("current"), name)
     if held := _held(record, "current"):
         raise AnalysisError(held)
     track = periods.of_phase_current()
@@ -192,8 +210,10 @@ def _held(record: Record, what: str) -> str:
     )
 
 
-def _lines(record: Record, uniform: Block, what: str) -> Iterator[Measurement | Table]:
-    channel = record.channels[what]
+def _lines(record: Record, what: str) -> Iterator[Measurement | Table]:
+    channel, uniform = record.channels[what], record.uniform
+    if uniform is None or record.dead(what):  # of a stretch alone: the record is not
+        return
     if held := _held(record, what):
         for name, unit in ((f"{what}_line_frequency", "Hz"), (f"{what}_line_amplitude", channel.unit)):
             definition = f"largest line of {channel.name}"
@@ -211,7 +231,8 @@ def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
         channel, angle = record.channels[what], record.channels.get("angle")
         by = "at the stated speed" if angle is None else f"on {angle.name}"
         definition = f"order with the largest peak amplitude of {channel.name} {by}"
-        yield Measurement.undefined(f"{what}_order_largest", "", definition, str(refused), record.basis)
+        reason = str(refused) if record.question.omega_m_rad_s is None else _of_stretch(record, refused)
+        yield Measurement.undefined(f"{what}_order_largest", "", definition, reason, record.basis)
         return
     yield from orders.measurements
     yield from orders.tables
@@ -224,9 +245,10 @@ def _found_orders(record: Record, what: str) -> Orders:
     pole_pairs, slots = record.question.pole_pairs, record.question.slots
     omega_m_rad_s = record.question.omega_m_rad_s
     if omega_m_rad_s is not None:
-        if record.uniform is None:
+        uniform = _even(record).uniform
+        if uniform is None:
             raise AnalysisError(record.uneven)
-        stated = orders_at_speed(record.uniform, channel, omega_m_rad_s)
+        stated = orders_at_speed(uniform, channel, omega_m_rad_s)
         return describe_orders(stated, what, pole_pairs, slots)
     angle = record.channels["angle"].name
     if record.block is not None:

@@ -21,6 +21,7 @@ from benchtool.tables.remarks import (
     RemarkKind,
     numbers_in_head,
     of_clock,
+    of_stretch,
     other_frequency,
     overdue,
     remarks,
@@ -64,7 +65,8 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     symmetrical components; orders where there is an angle.
 
     Ripple and orders by angle need no even time steps. A spectrum does, and is undefined with the reason
-    where the time stamps are uneven or rows are missing. A current whose mean is above half of its largest
+    where the time stamps are uneven; where rows are missing it is of the longest stretch without one. A
+    current whose mean is above half of its largest
     sinusoid, in which no sinusoid has a tenth of the power, or whose name is that of a d- or q-current, is
     not taken as that of a phase: fundamental and distortion are undefined, its ripple is given. The
     numbers of a dead column are undefined, those of the others are not.
@@ -88,6 +90,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *units_assumed(columns.chosen),
         *of_clock(columns.clock, columns.chosen.get("time")),
         *remarks(record),
+        *of_stretch(record, measurements),
         *other_frequency(record, measurements),
         *overdue(instruments.bench, question.day),
     )

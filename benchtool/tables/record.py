@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from benchtool.tables.columns import TableQuestion
 from benchtool.tables.lost import Lost
 from benchtool.tables.time_base import TimeBase, time_base
 
-_LEAST_STRETCH = 0.25  # of the rows: a shorter one does not stand for the record
+_LEAST_STRETCH = 0.25  # of the rows: mean and ripple of a shorter one do not stand for the record
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,20 @@ class Record:
         """The longest stretch without a missing row, where it is a quarter of the rows or more: what was
         missing elsewhere moves none of its numbers. Else the record as it is, and where an angle gives the
         scatter of what has no spectrum."""
-        gaps, count = self.base.gaps, len(self.data)
-        if self.base.refusal or not gaps or not self.base.gaps_known:
-            return self
         if "angle" in self.channels and "current" not in self.channels and not self.lost.within:
+            return self
+        longest = self.even
+        is_enough = longest is not None and len(longest.data) >= _LEAST_STRETCH * len(self.data)
+        return longest if longest is not None and is_enough else self
+
+    @cached_property
+    def even(self) -> Record | None:
+        """The rows with even steps, of which a spectrum can be made: all, else the longest stretch without a
+        missing one; None where there are none."""
+        gaps, count = self.base.gaps, len(self.data)
+        if self.base.refusal:
+            return None
+        if not gaps:
             return self
         edges = [0, *(gap.row for gap in gaps), count]
         first, last = max(itertools.pairwise(edges), key=lambda ends: ends[1] - ends[0])
@@ -64,8 +75,8 @@ class Record:
             last = first + begin
         rows = self.data[first:last]
         base = time_base(rows[:, 0], rows[:, 1:])
-        if last - first < _LEAST_STRETCH * count or base.refusal or base.gaps:
-            return self
+        if not self.base.gaps_known or base.refusal or base.gaps:
+            return None
         return replace(self, data=rows, base=base, lost=replace(self.lost, within=0), cut=Cut(count, gaps))
 
     @property

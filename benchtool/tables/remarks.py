@@ -193,15 +193,25 @@ def _left_out(record: Record) -> str:
     return f"rows were left out: {reasons}{first}{within}"
 
 
-def _shortened(record: Record) -> str:
+def of_stretch(record: Record, measurements: Sequence[Measurement]) -> Iterator[Remark]:
+    """Yield that spectrum, lines or orders at a stated speed are of a stretch of the rows, if any of them
+    is."""
+    if record.even is None or record.even is record:
+        return
+    if any(math.isfinite(each.value) and each.basis.gaps == 0 for each in measurements):
+        text = _shortened(record.even, "spectra are of", "; other numbers are of all")
+        yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
+
+
+def _shortened(record: Record, measured: str = "measured is", others: str = "") -> str:
     if record.cut is None:
         return ""
     begin_s, end_s = float(record.data[0, 0]), float(record.data[-1, 0])
     missing, places = record.cut.missing_rows, len(record.cut.gaps)
     where = f"{missing} rows are missing in {places} places" if missing > 1 else "one row is missing"
     return (
-        f"{where}: measured is the longest stretch without a gap, {begin_s:.6g} s to {end_s:.6g} s, "
-        f"{len(record.data)} of {record.cut.rows} rows"
+        f"{where}: {measured} the longest stretch without a gap, {begin_s:.6g} s to {end_s:.6g} s, "
+        f"{len(record.data)} of {record.cut.rows} rows{others}"
     )
 
 
