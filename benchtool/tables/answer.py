@@ -22,12 +22,13 @@ from benchtool.tables.remarks import (
     numbers_in_head,
     of_clock,
     of_stretch,
+    of_tables,
     other_frequency,
     overdue,
     remarks,
     units_assumed,
 )
-from benchtool.tables.time_base import time_base
+from benchtool.tables.time_base import TimeBase, time_base
 
 _SENSED: Mapping[str, str] = {
     **dict(zip(PHASES, ("i_a", "i_b", "i_c"), strict=True)),
@@ -76,8 +77,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         AnalysisError: a column is missing, no rows are left, or a sensor is stated in another unit.
     """
     columns = read_columns(question)
-    base = time_base(columns.data[:, 0], columns.data[:, 1:])
-    record = Record(columns.data, base, columns.channels, question, columns.lost).unbroken
+    record = Record(columns.data, _base(columns), columns.channels, question, columns.lost).unbroken
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measured = tuple(each for each in found if isinstance(each, Measurement))
@@ -89,6 +89,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *numbers_in_head(columns.table.layout),
         *units_assumed(columns.chosen),
         *of_clock(columns.clock, columns.chosen.get("time")),
+        *of_tables(columns.joined),
         *remarks(record),
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
@@ -107,7 +108,7 @@ def table_block(question: TableQuestion) -> Block:
         AnalysisError: a column is missing, no rows are left, or the time stamps are not even.
     """
     columns = read_columns(question)
-    base = time_base(columns.data[:, 0], columns.data[:, 1:])
+    base = _base(columns)
     block = Record(columns.data, base, columns.channels, question).block
     if block is None:
         raise AnalysisError(
@@ -118,6 +119,12 @@ def table_block(question: TableQuestion) -> Block:
         replace(channel, name=_SENSED.get(what, what)) for what, channel in columns.channels.items()
     )
     return replace(block, channels=named)
+
+
+def _base(columns: TableColumns) -> TimeBase:
+    """Return the time base of the rows, refused where they may be of several tables."""
+    base = time_base(columns.data[:, 0], columns.data[:, 1:])
+    return replace(base, gaps=(), refusal=columns.joined) if columns.joined else base
 
 
 def _instruments(record: Record) -> Instruments:

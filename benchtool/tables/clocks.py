@@ -32,13 +32,13 @@ class Clock:
 
 
 def read_clock(
-    selection: Selection, time_s: NDArray[np.float64]
+    selection: Selection, time_s: NDArray[np.float64], *, is_one_table: bool = True
 ) -> tuple[Selection, NDArray[np.float64], Clock]:
     """Return the column of a time, its values in seconds, shape (n,), and its clock, from those as selected.
 
     A time of no stated unit that is between the years 2000 and 2100 in one of s, ms, us and ns is in that. A
     count of whole numbers that goes back is that of a counter of 8, 16, 24 or 32 bits where every step is
-    then as the others are, and goes on behind it.
+    then as the others are, and goes on behind it; but not where the rows may be more than one table.
     """
     clock = Clock()
     if selection.unit_from == "assumed" and (unit := _unit_since_1970(time_s)):
@@ -47,7 +47,7 @@ def read_clock(
         clock = Clock(datetime.fromtimestamp(float(time_s[0]), UTC).date())
     scale_s = selection.gain * selection.factor
     counts = time_s / scale_s - selection.offset / selection.gain
-    modulus = _modulus(counts)
+    modulus = _modulus(counts) if is_one_table else 0
     if not modulus:
         return selection, time_s, clock
     went_round = np.diff(counts, prepend=counts[0]) < 0.0

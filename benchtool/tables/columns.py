@@ -18,6 +18,7 @@ from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.clocks import Clock, read_clock
 from benchtool.tables.lost import Lost, lost_among
+from benchtool.tables.names_between import Names, names_between
 from benchtool.tables.selection import Selection, by_number, hides
 from benchtool.tables.text import Rows, TextTable
 
@@ -80,7 +81,8 @@ class TableColumns:
 
     `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
     time and then the columns in that order, and of the rows that were read those in the span that the
-    question asks for. `lost` says what is missing among them, `clock` what the times say of theirs.
+    question asks for. `lost` says what is missing among them, `clock` what the times say of theirs, and
+    `names_between` which lines of names are between rows that no column times.
     """
 
     table: TextTable
@@ -89,6 +91,19 @@ class TableColumns:
     data: NDArray[np.float64]
     lost: Lost
     clock: Clock = field(default_factory=Clock)
+    names_between: tuple[Names, ...] = ()
+
+    @property
+    def joined(self) -> str:
+        """Why rows that no column times are not those of one record; empty if nothing says so."""
+        if not self.names_between:
+            return ""
+        first = self.names_between[0]
+        lines = count_of(len(self.names_between), "line of names is", "lines of names are")
+        return (
+            f"{lines} between the rows, the first '{first.text}' at line {first.line} of the file: tables "
+            f"below each other, or a head that is repeated"
+        )
 
     @property
     def channels(self) -> dict[str, Channel]:
@@ -129,9 +144,11 @@ def read_columns(question: TableQuestion) -> TableColumns:
     _require_one_signal(table)
     chosen = _choose(table, question)
     rows = _rows(table, list(chosen.values()))
-    data, clock = rows.data, Clock()
+    data, clock, between = rows.data, Clock(), names_between(table, rows)
     if "time" in chosen:
-        chosen["time"], data[:, 0], clock = read_clock(chosen["time"], data[:, 0])
+        found = read_clock(chosen["time"], data[:, 0], is_one_table=not between)
+        chosen["time"], data[:, 0], clock = found
+        between = ()  # whether the rows go on is told by their time
     if question.rate_Hz is not None:
         if "wrong number of cells" in rows.dropped:
             raise AnalysisError(
@@ -147,11 +164,13 @@ def read_columns(question: TableQuestion) -> TableColumns:
             f"no row of {question.file} is from {question.from_s:g} s to {question.to_s:g} s, it has "
             f"{time_s.min():g} s to {time_s.max():g} s: choose a span within"
         )
+    places = rows.place[inside]
+    between = tuple(each for each in between if places[0] < each.place <= places[-1])
     kinds = tuple(what for what in chosen if what != "time")
     lost_s = np.interp(rows.left_out.place, rows.place, time_s)
     in_span = (lost_s >= question.from_s) & (lost_s <= question.to_s)
     lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
-    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost, clock)
+    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost, clock, between)
 
 
 def _require_one_signal(table: TextTable) -> None:

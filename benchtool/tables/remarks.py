@@ -42,6 +42,7 @@ class RemarkKind(StrEnum):
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
     TIME_GOES_BACK = "time_goes_back"
+    SEVERAL_TABLES = "several_tables"
     TIME_SINCE_1970 = "time_since_1970"
     TIME_ROLLS_OVER = "time_rolls_over"
 
@@ -191,6 +192,13 @@ def _left_out(record: Record) -> str:
         else ""
     )
     return f"rows were left out: {reasons}{first}{within}"
+
+
+def of_tables(joined: str) -> Iterator[Remark]:
+    """Yield why rows may be those of several tables."""
+    if joined:
+        text = f"{joined}; the numbers are of all rows together: measure each table by itself"
+        yield Remark(RemarkKind.SEVERAL_TABLES, "", text)
 
 
 def of_stretch(record: Record, measurements: Sequence[Measurement]) -> Iterator[Remark]:
