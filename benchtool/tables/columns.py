@@ -151,10 +151,11 @@ def read_columns(question: TableQuestion) -> TableColumns:
         between = ()  # whether the rows go on is told by their time
     if question.rate_Hz is not None:
         if "wrong number of cells" in rows.dropped:
+            names = "".join(f", '{each.text}' at line {each.line} has names" for each in between[:1])
             raise AnalysisError(
                 f"{question.file} has {count_of(rows.dropped['wrong number of cells'], 'row')} with a wrong "
-                f"number of cells, which a stated rate leaves without a time: name the column of the time, "
-                f"or fix them"
+                f"number of cells{names}, which a stated rate leaves without a time: name the column of the "
+                f"time, or fix them"
             )
         data = np.column_stack([rows.place / question.rate_Hz, data])
     time_s = data[:, 0]

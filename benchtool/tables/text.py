@@ -18,6 +18,7 @@ from benchtool.errors import RecordingError
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import BAR
+from benchtool.tables.labelled_values import as_columns
 from benchtool.tables.layout import Layout, find_layout
 from benchtool.tables.selection import Selection, selection_of
 from benchtool.tables.stamps import seconds_of
@@ -71,7 +72,8 @@ class Rows:
 
 @dataclass(frozen=True)
 class TextTable:
-    """A file whose layout is known; `text` is UTF-8 with lines ended by newlines, whatever the file has."""
+    """A file whose layout is known; `text` is UTF-8 with lines ended by newlines, whatever the file has, and
+    with columns in place of labelled values (`as_columns`)."""
 
     path: Path
     encoding: str
@@ -107,8 +109,9 @@ class TextTable:
             raise RecordingError(f"{path} is binary and no text: export it as text with columns of numbers")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        text = ascii_numbers(text)
-        table = cls(path, encoding, find_layout(text, str(path), decimal, timed=timed), text)
+        text, added = as_columns(ascii_numbers(text))
+        layout = find_layout(text, str(path), decimal, timed=timed)
+        table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added), text)
         return table._settled() if table.layout.is_open and not decimal else table
 
     def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:

@@ -44,6 +44,26 @@ def test_a_number_with_another_unit_is_told_what_is_expected(invoke: Invoke, opt
     assert f"'{text}' is no number of" in result.output
 
 
+def test_tables_below_each_other_are_a_warning(invoke: Invoke) -> None:
+    torque = [f"{1.0 + 0.1 * value:.4f}" for value in np.random.default_rng(2).standard_normal(200)]
+    Path("two.csv").write_text("\n".join(["T_Nm", *torque, "T_Nm", *torque]), encoding="utf-8")
+    result = invoke("--csv", "two.csv", "--torque", "T_Nm", "--rate", "1kHz")
+    assert result.exit_code == 0
+    assert "1 line of names is between the rows, the first 'T_Nm' at line 202" in " ".join(
+        result.output.split()
+    )
+
+
+def test_lines_of_a_serial_plotter_are_a_table(invoke: Invoke) -> None:
+    time_ms = np.arange(400)
+    current = 3.0 * np.cos(TURN * 50e-3 * time_ms)
+    rows = [f"t:{time}\tIq_mA:{1e3 * each:.1f}" for time, each in zip(time_ms, current, strict=True)]
+    Path("serial.log").write_text("\n".join(rows), encoding="utf-8")
+    case = measured(invoke("--csv", "serial.log", "--time", "t:ms", "--current", "Iq_mA", "--json"))
+    assert case["source"]["columns"]["current"]["unit"] == "mA"
+    assert case["source"]["rows_used"] == 400
+
+
 def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke) -> None:
     random = np.random.default_rng(1)
     time_s = np.asarray(np.arange(8_000) * 1e-3, dtype=np.float64)

@@ -91,3 +91,13 @@ def test_a_head_that_is_repeated_in_a_time_that_goes_on_is_nothing(tmp_path: Pat
     )
     assert told(found) == []
     assert found.source["time"]["uniform"] is True
+
+
+def test_a_head_of_one_column_that_has_another_number_of_cells_is_refused(tmp_path: Path) -> None:
+    once = [row.partition(",")[0] for row in FIRST]
+    path = tmp_path / "table.csv"
+    path.write_text("\n".join(["T [Nm]", *once, "T [Nm]", *once]), encoding="utf-8")
+    with pytest.raises(
+        AnalysisError, match=r"1 row with a wrong number of cells, 'T \[Nm\]' at line 258 has names"
+    ):
+        analyze_table(TableQuestion(path, None, {"torque": "T"}, rate_Hz=1e3))
