@@ -89,7 +89,7 @@ def test_stamps_of_a_millisecond_are_no_hindrance_at_10_kHz(invoke: Invoke) -> N
 def test_the_frequency_is_known_as_well_as_the_stamps_and_no_better(invoke: Invoke) -> None:
     time_s, current = phase_current()
     noisy = current + 1e-3 * np.random.default_rng(4).normal(size=len(current))
-    # a slope that is off by a row over the record leaves stamps of ten rows, the nearer it is the likelier
+    # slopes off by up to a row over the record leave stamps of ten rows, the less the likelier
     for digits, (low, high) in {3: (0.95, 1.05), 4: (0.0, 0.01)}.items():
         write("stamps.csv", "t,I", [np.floor(time_s * 10**digits + 1e-6) / 10**digits, noisy])
         case = measured(invoke("--csv", "stamps.csv", "--time", "t", "--current", "I", "--json"))

@@ -107,14 +107,17 @@ def _by_extremes(
     step: float,
     slow: SlowRipple | None = None,
 ) -> float:
-    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period,
-    `whole`, of samples, shape (n,), and `without` their slow lines, of `rest`, and without a course of few
-    constants; unless
-    those are not all that is slow: then they meet by chance. It is nan where the ripple itself grows or
-    falls over the whole record, as in part of a beat: what it comes to is not told. Values in heaps that are
-    no `step` of a converter, whose resolution is elsewhere, end in the next heap or not. Of a ripple that
-    beats, by what is `slow` of it, those of its larger periods count as if all were of its largest size, and
-    where its crests meet those of the beat is as in records that begin later."""
+    """Return the standard deviation of the peak-to-peak over records, by the extremes of each period.
+
+    They are those `without` slow lines, of `rest`, and without a course of few constants; where these are not
+    all that is slow, they meet by chance, and those of the `whole` samples, shape (n,), count.
+
+    It is nan where the ripple itself grows or falls over the whole record, as in part of a beat: what it
+    comes to is not told. Values in heaps that are no `step` of a converter, whose resolution is elsewhere,
+    end in the next heap or not. Of a ripple that beats, by what is `slow` of it, those of its larger periods
+    count as if all were of its largest size, and where its crests meet those of the beat is as in records
+    that begin later.
+    """
     found = [
         [_about_course(each, rest is not samples) for each in without],
         [_about_course(each) for each in whole],
