@@ -144,7 +144,7 @@ def test_too_few_bins_between_harmonics_give_no_floor() -> None:
     for name in ("current_thd_f_groups", "current_thd_f_subgroups"):
         assert math.isnan(found[name].value)
         assert found[name].unit == "%"
-        assert "four periods" in found[name].reason
+        assert "at least 4 and 2 are needed" in found[name].reason
 
 
 def test_an_amplitude_scatters_by_its_uncertainty() -> None:
