@@ -67,10 +67,10 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
 
     Ripple and orders by angle need no even time steps. A spectrum does, and is undefined with the reason
     where the time stamps are uneven; where rows are missing it is of the longest stretch without one. A
-    current whose mean is above half of its largest
-    sinusoid, in which no sinusoid has a tenth of the power, or whose name is that of a d- or q-current, is
-    not taken as that of a phase: fundamental and distortion are undefined, its ripple is given. The
-    numbers of a dead column are undefined, those of the others are not.
+    current whose mean is above half of its largest sinusoid, in which no sinusoid has a tenth of the power,
+    or whose name is that of a d- or q-current, is not taken as that of a phase: fundamental and distortion
+    are undefined, its ripple is given. The numbers of a dead column are undefined, those of the others are
+    not.
 
     Raises:
         RecordingError: the file cannot be read as a table.

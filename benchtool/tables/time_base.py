@@ -189,10 +189,12 @@ def _on_a_line(
             resolution_s,
         )
     late = np.flatnonzero(advance > 1)
-    standard_s, allowed = _of_slope(number, deviation, coarse_s, rounding_s), None
+    allowed = None
     if coarse_s and spread_s > _SUMMED * rounding_s:
         allowed = line_through_counts(about, number, _ONE_COUNT * coarse_s + 2.0 * rounding_s)
-    if allowed is not None:
+    if allowed is None:
+        standard_s = _of_slope(number, deviation, coarse_s, rounding_s)
+    else:
         step_s, standard_s = allowed.slope, allowed.standard
     jitter_s = float(np.sqrt(np.mean((about - step_s * number) ** 2)))
     return TimeBase(

@@ -279,8 +279,9 @@ def _half_of_bend(track: PhaseTrack) -> float:
     """
     if track.measured_rad is None:
         return 0.0
-    left = track.measured_rad - track.at(np.arange(track.samples, dtype=np.float64))
-    size = 7.0 * float(np.mean(_cubic(np.arange(track.samples, dtype=np.float64), track.samples) * left))
+    number = np.arange(track.samples, dtype=np.float64)
+    left = track.measured_rad - track.at(number)
+    size = 7.0 * float(np.mean(_cubic(number, track.samples) * left))
     return size if size**2 / 7.0 > _MOSTLY * float(np.var(left)) else 0.0
 
 

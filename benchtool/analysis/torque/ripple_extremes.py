@@ -83,10 +83,10 @@ def extremes_of_ripple(
     """
     whole, without = (_extremes_of_periods(each, begin) for each in (samples, rest))
     if slow is None or not slow.swings:
-        of_curve = _extremes_of_curve(samples, begin)
-        of_rest = of_curve if rest is samples else _extremes_of_curve(rest, begin)
+        of_rest = _extremes_of_curve(rest, without, begin)
         is_less = step < _apart(of_rest) < _CLEARLY * _apart(without)
         if is_less and not any(map(_repeat, of_rest)):
+            of_curve = of_rest if rest is samples else _extremes_of_curve(samples, whole, begin)
             # in other records by anything from none to twice as much (JCGM 100:2008, 4.3.7)
             missed = max(0.0, float(sum(map(np.max, of_curve))) - float(np.ptp(samples))) / math.sqrt(3.0)
             return math.hypot(_by_extremes(of_curve, of_rest, samples, rest, tails, step), missed)
@@ -190,15 +190,18 @@ def _extremes_of_periods(samples: Floats, begin: NDArray[np.int64]) -> tuple[Flo
     return np.maximum.reduceat(samples, begin), -np.minimum.reduceat(samples, begin)
 
 
-def _extremes_of_curve(samples: Floats, begin: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def _extremes_of_curve(
+    samples: Floats, of_rows: tuple[Floats, Floats], begin: NDArray[np.int64]
+) -> tuple[Floats, Floats]:
     """Return the extremes of periods of the band-limited curve through samples, shape (n,), a sixteenth of a
     row apart, but for the first and last rows: about each that a crest of the curve beside it may exceed the
-    largest of its period from, by an eighth of the usual bend (Taylor's theorem), and by as much again."""
+    largest of its period from, `of_rows`, by an eighth of the usual bend (Taylor's theorem), and by as much
+    again."""
     inner = np.arange(HALF_WIDTH, len(samples) - HALF_WIDTH - 1)
     period = np.searchsorted(begin, inner, side="right") - 1
     bend = 0.25 * float(np.sqrt(np.mean(np.diff(samples, 2) ** 2)) * math.sqrt(2.0))
     found = []
-    for signed, extremes in zip((samples, -samples), _extremes_of_periods(samples, begin), strict=True):
+    for signed, extremes in zip((samples, -samples), of_rows, strict=True):
         near = signed[inner] >= extremes[period] - bend
         positions = (inner[near, np.newaxis] + _FRACTIONS).ravel()
         values = interpolate(signed, positions) if len(positions) else np.empty(0)
