@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.text import Text
@@ -16,7 +16,7 @@ from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
 from benchtool.cli.report import write_report
-from benchtool.cli.results import disagreement_text, together_text
+from benchtool.cli.results import show_disagreements, together_text
 from benchtool.errors import UsageError
 from benchtool.report.assembly import comparison_report, difference
 from benchtool.results import (
@@ -24,6 +24,7 @@ from benchtool.results import (
     Comparison,
     Delta,
     Differences,
+    MeasuredCase,
     Repeated,
     RepeatedCase,
     SideBySide,
@@ -119,7 +120,7 @@ def _labels(runs: Sequence[Path]) -> list[str]:
     ]
 
 
-def _deltas(comparisons: Sequence[SideBySide[Any]], *, alone_run: bool) -> dict[str, object]:
+def _deltas(comparisons: Sequence[SideBySide[MeasuredCase]], *, alone_run: bool) -> dict[str, object]:
     """Return every difference by case (as `cases` lists it), with what it is a difference to."""
     document: dict[str, object] = {}
     for comparison in comparisons:
@@ -167,14 +168,14 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
             )
 
 
-def _letters(comparison: SideBySide[Any]) -> dict[str, str]:
+def _letters(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
     """Return by what each run is called in a table."""
     labels = enumerate(comparison.results)
     return {label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in labels}
 
 
 def _show_measured(
-    output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]
+    output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
 ) -> None:
     """Print what was measured, with the differences."""
     if len(comparison.results) > _MOST_COLUMNS:
@@ -196,17 +197,15 @@ def show(output: Output, comparison: Comparison) -> None:
         output.sentence(reason, "dim")
     if comparison.lengths:
         output.sentence(comparison.lengths, "yellow")
-    for label, result in results.items():
-        for each in result.disagreements:
-            verdict = "" if each.verdict is None else f": {each.verdict} there"
-            output.sentence(f"{disagreement_text(each, f'{letters[label]}: ')}{verdict}", "yellow")
+    prefixed = [(f"{letters[label]}: ", result) for label, result in results.items()]
+    show_disagreements(output, prefixed, "runs")
     for label, result in results.items():
         place = "" if label == str(result.bundle) else f": {result.bundle}"
         output.line(f"{letters[label]}  {label}{place}")
 
 
 def _show_columns(
-    output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]
+    output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
 ) -> None:
     """A row for each measurement. Of two runs, the difference has columns of its own."""
     first, *others = comparison.results
@@ -227,7 +226,9 @@ def _show_columns(
     )
 
 
-def _show_many(output: Output, title: str, comparison: SideBySide[Any], letters: Mapping[str, str]) -> None:
+def _show_many(
+    output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
+) -> None:
     """Print a row for each run with the headline measurements; the documents contain all."""
 
     known = comparison.names
@@ -239,7 +240,7 @@ def _show_many(output: Output, title: str, comparison: SideBySide[Any], letters:
     output.table(title, ("run", *(f">{name}" for name in names)), rows)
 
 
-def _value(comparison: SideBySide[Any], label: str, name: str) -> str:
+def _value(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
     """Return the value to the place of its uncertainty; where it has none, to that of the difference."""
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
@@ -253,24 +254,24 @@ def _value(comparison: SideBySide[Any], label: str, name: str) -> str:
     return placed(found.value, max(least, _LEAST_PLACE * abs(found.value)))
 
 
-def _deltas_of(comparison: SideBySide[Any], label: str, name: str) -> list[Delta]:
+def _deltas_of(comparison: SideBySide[MeasuredCase], label: str, name: str) -> list[Delta]:
     """Return the differences of a run to the reference, or of all runs to it if it is the reference."""
     labels = [label] if label in comparison.deltas else list(comparison.deltas)
     return [delta for each in labels if (delta := _delta(comparison, each, name)) is not None]
 
 
-def _delta(comparison: SideBySide[Any], label: str, name: str) -> Delta | None:
+def _delta(comparison: SideBySide[MeasuredCase], label: str, name: str) -> Delta | None:
     return next((each for each in comparison.deltas.get(label, ()) if each.name == name), None)
 
 
-def _apart(comparison: SideBySide[Any], label: str, name: str) -> list[str | Text]:
+def _apart(comparison: SideBySide[MeasuredCase], label: str, name: str) -> list[str | Text]:
     """Return the value, difference with its uncertainty, and percent."""
     delta = _delta(comparison, label, name)
     absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
     return [_value(comparison, label, name), absolute, _percent(delta)]
 
 
-def _together(comparison: SideBySide[Any], label: str, name: str) -> Text:
+def _together(comparison: SideBySide[MeasuredCase], label: str, name: str) -> Text:
     """Return the value and percent in one cell."""
     value = _value(comparison, label, name)
     delta = _delta(comparison, label, name)

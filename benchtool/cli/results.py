@@ -47,7 +47,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
         output.sentence(
             f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
         )
-    show_disagreements(output, result.assessments)
+    cases = result.assessments
+    show_disagreements(output, [(_of(each, cases), each) for each in cases])
 
 
 def show_missed(output: Output, cases: Sequence[Assessment]) -> None:
@@ -69,26 +70,28 @@ def show_waived(output: Output, result: RunResult) -> None:
         )
 
 
-def show_disagreements(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print where the transducer contradicts the drive's estimate: measurements with a limit in full, others
-    by name with the number of cases."""
+def show_disagreements(
+    output: Output, found: Sequence[tuple[str, Assessment]], together: str = "cases"
+) -> None:
+    """Print where the transducer contradicts the drive's estimate, each case after its prefix: measurements
+    with a limit in full, others by name with their number of all `together`."""
     others: dict[str, int] = {}
-    for case in cases:
+    for prefix, case in found:
         for each in case.disagreements:
             if each.verdict is None:
                 others[each.name] = others.get(each.name, 0) + 1
                 continue
-            text = disagreement_text(each, _of(case, cases))
-            output.line(f"  {text}: {each.verdict} there", VERDICT_COLOURS[each.verdict])
+            text = f"{_disagreement_text(each, prefix)}: {each.verdict} there"
+            output.sentence(text, VERDICT_COLOURS[each.verdict], lead="  ")
     if others:
         named = [
-            f"{name} ({count} of {len(cases)} cases)" if len(cases) > 1 else name
+            f"{name} ({count} of {len(found)} {together})" if len(found) > 1 else name
             for name, count in others.items()
         ]
         output.sentence(f"the transducer disagrees: {', '.join(named)}", "dim", lead="  ")
 
 
-def disagreement_text(found: Disagreement, of: str = "") -> str:
+def _disagreement_text(found: Disagreement, of: str) -> str:
     """Return the sentence on a number that the transducer contradicts, in the band of both."""
     true = f"{measured(found.true)} {found.true.unit}".rstrip()
     estimate = f"{measured(found.estimate)} {found.estimate.unit}".rstrip()

@@ -3,10 +3,6 @@ from .agreement import (
 )
 from .assessment import (
     Assessment as Assessment,
-    Recorded as Recorded,
-    RunResult as RunResult,
-    assess as assess,
-    assess_bundle as assess_bundle,
 )
 from .block_result import (
     EVERYTHING as EVERYTHING,
@@ -19,10 +15,15 @@ from .calibration import (
     overdue_text as overdue_text,
     stated_overdue as stated_overdue,
 )
+from .case_assessment import (
+    assess as assess,
+    assess_bundle as assess_bundle,
+)
 from .comparison import (
     Chance as Chance,
     Comparison as Comparison,
     Delta as Delta,
+    MeasuredCase as MeasuredCase,
     RepeatedCase as RepeatedCase,
     SideBySide as SideBySide,
     compare_cases as compare_cases,
@@ -37,6 +38,9 @@ from .differences import (
 from .judged_repetitions import (
     JudgedTogether as JudgedTogether,
 )
+from .recorded import (
+    Recorded as Recorded,
+)
 from .recordings import (
     Selection as Selection,
     assess_recording as assess_recording,
@@ -45,6 +49,9 @@ from .repetitions import (
     Repeated as Repeated,
     judged_together as judged_together,
     over_repetitions as over_repetitions,
+)
+from .run_result import (
+    RunResult as RunResult,
 )
 from .runs import (
     RecordedCase as RecordedCase,

@@ -121,6 +121,9 @@ class MeasuredCase(Measured, Protocol):
     @property
     def case(self) -> str: ...
 
+    @property
+    def verdicts(self) -> Mapping[str, Verdict]: ...
+
 
 @dataclass(frozen=True)
 class RepeatedCase:
@@ -150,7 +153,7 @@ class RepeatedCase:
         return {each.name: each.verdict for each in self.judged}
 
 
-_Result = TypeVar("_Result", bound=MeasuredCase)
+_Result = TypeVar("_Result", bound=MeasuredCase, covariant=True)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from benchtool.plan import recorded_plan
 from benchtool.profile import Profile
 from benchtool.recording import Manifest, read_manifest
 from benchtool.results.assessment import Assessment
-from benchtool.results.comparison import Comparison, SideBySide
+from benchtool.results.comparison import Comparison, MeasuredCase, SideBySide
 
 
 class Kind(StrEnum):
@@ -159,7 +159,7 @@ def _tolerances(result: Assessment) -> dict[str, tuple[float, float]]:
     }
 
 
-def valued(comparison: SideBySide[Any]) -> list[str]:
+def valued(comparison: SideBySide[MeasuredCase]) -> list[str]:
     """Return the measurements that have a value in one of the runs."""
     found = {
         each.name

@@ -9,6 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
@@ -20,9 +21,10 @@ from benchtool.errors import AnalysisError
 from benchtool.plan import Analyses, Coordinates, measure_held
 from benchtool.profile import Motor, Profile
 from benchtool.recording import Bundle, Manifest
-from benchtool.results.assessment import Assessment, Recorded
+from benchtool.results.assessment import Assessment
 from benchtool.results.block_result import EVERYTHING, analyze_block
 from benchtool.results.calibration import Calibration
+from benchtool.results.recorded import Recorded
 from benchtool.results.regimes import SHORTEST_S, Regime, regimes
 from benchtool.results.windows import longest_unbroken
 
@@ -65,27 +67,41 @@ def assess_recording(bundle: Bundle, selection: Selection | None = None) -> tupl
         AnalysisError: the bundle carries no motor, no rows, or no steady regime.
     """
     bundle.require_intact()
-    selection = selection or Selection()
-    motor, calibration = motor_of(bundle), Calibration.of(bundle.manifest)
-    certificate = bundle.certificate or {}
-    quality = measurements_from_json(certificate.get("measurements", {}))
-    transducer = bundle.block(TRANSDUCER) if TRANSDUCER in bundle.streams else None
+    selection, setup = selection or Selection(), _Setup.of(bundle)
     found: list[Assessment] = []
     refusals: list[str] = []
     for stream in _streams(bundle, selection):
         block = bundle.block(stream)
         try:
-            for name, window, recorded in _windows(bundle, stream, block, motor, selection):
-                found.append(
-                    _assess(
-                        bundle, name, window, recorded, motor, selection, calibration, transducer, quality
-                    )
-                )
+            for name, window, recorded in _windows(bundle, stream, block, setup.motor, selection):
+                found.append(_assess(setup, name, window, recorded, selection.analyses))
         except AnalysisError as refused:
             refusals.append(str(refused))
     if not found:
         raise AnalysisError("; ".join(refusals))
     return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Setup:
+    """What all streams of a bundle have in common: motor, sensors, transducer, quality of the recording."""
+
+    directory: Path
+    motor: Motor
+    calibration: Calibration
+    transducer: Block | None
+    quality: tuple[Measurement, ...]
+
+    @classmethod
+    def of(cls, bundle: Bundle) -> _Setup:
+        certificate = bundle.certificate or {}
+        return cls(
+            bundle.directory,
+            motor_of(bundle),
+            Calibration.of(bundle.manifest),
+            bundle.block(TRANSDUCER) if TRANSDUCER in bundle.streams else None,
+            measurements_from_json(certificate.get("measurements", {})),
+        )
 
 
 def motor_of(bundle: Bundle) -> Motor:
@@ -181,30 +197,21 @@ def _unbroken(where: str, name: str, rows: Block, recorded: Recorded) -> tuple[s
     return name, whole, replace(recorded, rows=rows)
 
 
-def _assess(
-    bundle: Bundle,
-    name: str,
-    window: Block,
-    recorded: Recorded,
-    motor: Motor,
-    selection: Selection,
-    calibration: Calibration,
-    transducer: Block | None,
-    quality: tuple[Measurement, ...],
-) -> Assessment:
-    shaft = _covering(transducer, window) if recorded.stream != TRANSDUCER else None
-    result = analyze_block(window, motor, selection.analyses, transducer=shaft, calibration=calibration)
+def _assess(setup: _Setup, name: str, window: Block, recorded: Recorded, analyses: Analyses) -> Assessment:
+    shaft = _covering(setup.transducer, window) if recorded.stream != TRANSDUCER else None
+    calibration = setup.calibration
+    result = analyze_block(window, setup.motor, analyses, transducer=shaft, calibration=calibration)
     held = Instruments(calibration.bench, [window]).applied(tuple(measure_held(window)))
     return Assessment(
         name,
-        bundle.directory,
+        setup.directory,
         (*result.measurements, *held),
-        quality,
+        setup.quality,
         {},
         {},
         window,
         shaft,
-        steady_state_of(result.made) if selection.analyses.steady else None,
+        steady_state_of(result.made) if analyses.steady else None,
         result.tables,
         result.made,
         result.without,

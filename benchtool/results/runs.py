@@ -14,9 +14,11 @@ from pydantic import ValidationError
 from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError, UsageError
 from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
-from benchtool.results.assessment import Assessment, RunResult, assess_bundle
+from benchtool.results.assessment import Assessment
+from benchtool.results.case_assessment import assess_bundle
 from benchtool.results.recordings import Selection, assess_recording
 from benchtool.results.repetitions import Repeated, judged_together, over_repetitions
+from benchtool.results.run_result import RunResult
 from benchtool.results.tables import assess_table, is_table
 
 _MANIFEST = "manifest.json"

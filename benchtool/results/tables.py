@@ -7,7 +7,8 @@ from typing import Final
 from benchtool.analysis import measurements_from_json, tables_from_json
 from benchtool.plan import Coordinates
 from benchtool.recording import Bundle
-from benchtool.results.assessment import Assessment, Recorded
+from benchtool.results.assessment import Assessment
+from benchtool.results.recorded import Recorded
 
 TABLE: Final = "table"
 """The stream with the rows that were used."""

@@ -12,7 +12,8 @@ from benchtool import __version__
 from benchtool.analysis import measurements_to_json, tables_to_json
 from benchtool.errors import AnalysisError, RecordingError
 from benchtool.recording import HASHES, MANIFEST, Bundle, bundles_in, verify
-from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.results.assessment import Assessment
+from benchtool.results.case_assessment import assess_bundle
 from benchtool.results.runs import is_planned
 from benchtool.results.sessions import SESSION, differing_verdicts, read_session
 

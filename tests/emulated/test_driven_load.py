@@ -10,7 +10,7 @@ import pytest
 from benchtool.bench.session import open_session
 from benchtool.plan.model import Plan
 from benchtool.recording import Bundle
-from benchtool.results.assessment import assess_bundle
+from benchtool.results.case_assessment import assess_bundle
 from benchtool.run.runner import RunInfo, run_plan
 
 from .test_operating_point import Silent

@@ -22,7 +22,8 @@ from benchtool.protocol.dictionary import Dictionary
 from benchtool.recording import Bundle
 from benchtool.report.assembly.figures import panel_of
 from benchtool.report.figures.drawings import figure_names
-from benchtool.results.assessment import Assessment, assess, assess_bundle
+from benchtool.results.assessment import Assessment
+from benchtool.results.case_assessment import assess, assess_bundle
 from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Wire

@@ -14,7 +14,8 @@ from benchtool.errors import ParameterMismatch, ValueRefused
 from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
-from benchtool.results.assessment import Assessment, assess_bundle
+from benchtool.results.assessment import Assessment
+from benchtool.results.case_assessment import assess_bundle
 from benchtool.run.runner import RunInfo, run_plan
 
 from .conftest import Opener, Wire, over_both_wires

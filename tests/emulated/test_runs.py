@@ -20,7 +20,7 @@ from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan
 from benchtool.protocol.cia402 import State
 from benchtool.recording import Bundle
-from benchtool.results.assessment import assess_bundle
+from benchtool.results.case_assessment import assess_bundle
 from benchtool.run.parallel import run_in_processes
 from benchtool.run.runner import RunInfo, run_plan
 

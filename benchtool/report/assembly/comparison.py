@@ -6,7 +6,6 @@ import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
-from typing import Any
 
 from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed, with_expanded
 from benchtool.block import Block
@@ -32,6 +31,7 @@ from benchtool.results import (
     Delta,
     Differences,
     Kind,
+    MeasuredCase,
     RepeatedCase,
     SideBySide,
     valued,
@@ -121,7 +121,7 @@ def _limits_together(comparison: SideBySide[RepeatedCase]) -> Iterator[Item]:
         yield Section("Limits over the repetitions", (Grid.of(headings, rows),))
 
 
-def _measured(comparison: SideBySide[Any]) -> Iterator[Item]:
+def _measured(comparison: SideBySide[MeasuredCase]) -> Iterator[Item]:
     labels, names = list(comparison.results), valued(comparison)
     units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
     rows: list[tuple[str | Cell, ...]] = [
@@ -153,7 +153,7 @@ def _measured(comparison: SideBySide[Any]) -> Iterator[Item]:
         yield Text(reason, "note")
 
 
-def _notes(comparison: SideBySide[Any], name: str) -> Iterator[str]:
+def _notes(comparison: SideBySide[MeasuredCase], name: str) -> Iterator[str]:
     """Definition, basis and source of the uncertainty, once where all runs have the same."""
     found = {label: _named(result, name) for label, result in comparison.results.items()}
     notes = {label: measurement_notes(each) for label, each in found.items() if each is not None}
@@ -164,11 +164,11 @@ def _notes(comparison: SideBySide[Any], name: str) -> Iterator[str]:
             yield " ".join(f"{label}: {each}" for label, each in zip(notes, sentences, strict=True) if each)
 
 
-def _named(result: Assessment | RepeatedCase, name: str) -> Measurement | None:
+def _named(result: MeasuredCase, name: str) -> Measurement | None:
     return next((each for each in result.measurements if each.name == name), None)
 
 
-def _value(result: Assessment | RepeatedCase, name: str) -> Cell:
+def _value(result: MeasuredCase, name: str) -> Cell:
     measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)

@@ -22,8 +22,9 @@ from benchtool.recording import Bundle, BundleWriter, Manifest
 from benchtool.report.assembly.case import remarks
 from benchtool.report.content import Grid, Text
 from benchtool.report.results import budgets_section, measurement_notes
-from benchtool.results.assessment import Assessment, assess, assess_bundle
+from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import CLOCK, Calibration
+from benchtool.results.case_assessment import assess, assess_bundle
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture, step_capture

@@ -16,9 +16,9 @@ from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.plan.cases import cases
 from benchtool.plan.limits import Limit, Verdict, Waived
 from benchtool.plan.model import Plan, Sweep
-from benchtool.results.assessment import RunResult
 from benchtool.results.judged_repetitions import JudgedTogether, _all_conform, limits_together
 from benchtool.results.repetitions import Repeated, over_repetitions
+from benchtool.results.run_result import RunResult
 
 
 def _plan(repetitions: int) -> Plan:
