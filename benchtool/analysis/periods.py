@@ -44,7 +44,8 @@ class PhaseTrack:
 
     `phase` gives rad over sample numbers 0 to `samples` - 1, increasing; as a low-order polynomial it follows
     a drift of the speed and nothing faster, so that oscillations within a period stay in the signal, where a
-    spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added. `source` says
+    spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added;
+    `follows_signal` tells that this is the phase of the signal's own fundamental. `source` says
     in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
     polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
     track was not made from an angle. `resolution_rad` is the electrical step in which it counts, 0 where
@@ -60,6 +61,7 @@ class PhaseTrack:
         default=None, repr=False, compare=False
     )
     resolution_rad: float = 0.0
+    follows_signal: bool = False
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the phase, rad, at fractional sample numbers, shape (m,); beyond the record the departure is

@@ -17,15 +17,16 @@ from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.converter_lines import largest_of_steps
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
-from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
 from benchtool.analysis.spectra.interharmonics import noise_of_fit
 from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
+from benchtool.analysis.spectra.mean_frequency import frequency
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor
 from benchtool.analysis.spectra.noise_of_lines import line_noise
 from benchtool.analysis.spectra.separation import Separation, separate
+from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,

@@ -345,13 +345,13 @@ def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None
     drift = Polynomial.fit(numbers, phase_rad, 2)
     spline = CubicSpline(*_extended(numbers, phase_rad - drift(numbers)), bc_type="natural")
     before = track.departure
-    added = "" if "itself" in track.source else f", followed by the phase of {name} itself"
+    added = "" if track.follows_signal else f", followed by the phase of {name} itself"
 
     def departure(at: NDArray[np.float64]) -> NDArray[np.float64]:
         own = np.asarray(spline(at) + drift(at), dtype=np.float64)
         return own if before is None else own + before(at)
 
-    return replace(track, departure=departure, source=f"{track.source}{added}")
+    return replace(track, departure=departure, source=f"{track.source}{added}", follows_signal=True)
 
 
 def _extended(

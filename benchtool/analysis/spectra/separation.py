@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import Beside
-from benchtool.analysis.spectra.fundamental import left_at_ends_rad
 from benchtool.analysis.spectra.groups import HarmonicGroups, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC
 from benchtool.analysis.spectra.interharmonics import (
@@ -32,6 +31,7 @@ from benchtool.analysis.spectra.spectrum import (
     coherent_samples,
     spectrum_of,
 )
+from benchtool.analysis.spectra.turned_phase import left_at_ends_rad
 
 Floats = NDArray[np.float64]
 

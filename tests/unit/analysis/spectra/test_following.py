@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.responses.response_curve import ResponseCurve
-from benchtool.analysis.spectra.fundamental import frequency, soundness, turned_around
+from benchtool.analysis.spectra.mean_frequency import frequency
 from benchtool.analysis.spectra.phase_following import Wander, follow, wander
+from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.spectra.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
@@ -63,7 +64,7 @@ def test_what_slips_against_an_angle_that_swings_is_followed_in_both() -> None:
     samples = np.cos(phase) + 0.1 * np.cos(5.0 * phase)
     _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
     assert "measured angle" in track.source
-    assert "itself" in track.source
+    assert track.follows_signal
     assert float(np.std(seen.phase_rad)) < 2e-3
     left = (track.at(np.arange(SAMPLES, dtype=np.float64)) - phase)[500:-500]
     assert float(np.std(left)) < 2e-3
@@ -102,6 +103,7 @@ def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_i
         0.0,
         np.asarray(LINEAR(T * RATE_HZ)),
         none,
+        follows_signal=True,
     )
     told = re.search(r"the angle alone gives ([\d.]+) Hz", frequency_of(track, still()).definition)
     assert told is not None
@@ -109,7 +111,7 @@ def test_the_frequency_of_the_angle_stands_beside_that_of_a_signal_that_leaves_i
 
 
 def test_a_followed_phase_that_is_straight_is_certain() -> None:
-    straight = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, none)
+    straight = PhaseTrack(LINEAR, SAMPLES, "it itself", None, None, none, follows_signal=True)
     assert standard(frequency_of(straight, still())) < 1e-9
 
 
@@ -121,7 +123,7 @@ def test_a_steady_bend_is_followed_to_both_ends_and_only_noise_is_left(periods: 
         phase = 2.0 * np.pi * (periods * (time + 0.03 * (time**2 - time)) + random.uniform())
         samples = np.cos(phase) + 0.03 * np.cos(5.0 * phase) + 3e-3 * random.standard_normal(len(time))
         coherent, track, seen = follow(samples, RATE_HZ, track_tone(samples))
-        assert "itself" in track.source
+        assert track.follows_signal
         found = frequency(spectrum_of_samples(coherent), track, seen, BASIS, None, "")
         error_Hz = found.value - (phase[-1] - phase[0]) * RATE_HZ / (2.0 * np.pi * (len(time) - 1))
         relative.append(error_Hz / standard(found))

@@ -96,6 +96,6 @@ def test_what_a_fundamental_that_slips_leaks_to_its_harmonics_is_none_of_them(sl
         phase = angle * (1.0 + slip) + begin
         samples = np.cos(phase) + 8e-4 * np.random.default_rng(2).standard_normal(len(phase))
         _, track, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
-        assert "itself" in track.source
+        assert track.follows_signal
         assert seen.excess_rad < 1e-3
         assert float(np.std(track.at(np.arange(1200.0)) - phase)) < 1e-3
