@@ -71,6 +71,8 @@ EXCITED: Mapping[str, Excited] = {
     "chirp_little_resonance": Excited(Lag(110.0, 0.65), "chirp", 1e-2),
     "multisine_bits_8": Excited(Lag(110.0, 0.5), "multisine", 1e-4, bits=8),
     "prbs_bits_8": Excited(Lag(220.0, 0.4), "prbs", 1e-4, duration_s=1.0, bits=8),
+    "prbs_fast_bits_8": Excited(Lag(1200.0), "prbs", 1e-5, bits=8),
+    "prbs_ringing_bits_8": Excited(Lag(3000.0, 0.1), "prbs", 1e-5, bits=8),
     "chirp_resonant_bits_9": Excited(Lag(80.0, 0.1), "chirp", 1e-3, bits=9),
 }
 CHANNELS: Mapping[str, Channel] = {

@@ -183,6 +183,7 @@ def repeated_steps(
         return _OfFewSteps(read, found.read - found.signals, 1, found)
     needed = _needed(kept, step)
     points = _distinct(samples, periods, needed)
+    at_same_places = points < needed
     if turns is not None and points < needed and _stay(turns, points):
         turns = None
     every = 1
@@ -194,6 +195,8 @@ def repeated_steps(
     waveform = mean + _waveforms(kept[np.newaxis], points)
     if level is None:
         waveforms, levels = waveform, step * np.arange(_LEVELS)[:, np.newaxis] / _LEVELS
+        if at_same_places:
+            waveforms = waveform + _unread(waveform[0], table, step)
     else:
         waveforms, levels = mean + _waveforms(_like(kept, step), points), np.array([level])
     errors = _looked_up(table, waveforms - levels, step)
@@ -322,6 +325,20 @@ def _like(phasors: Complex, step: float) -> Complex:
     """Return phasors, shape (draws, n), each of whose lines differs by a part of a step."""
     apart = np.random.default_rng(0).standard_normal((2, _DRAWS, len(phasors)))
     return np.asarray(phasors + (_APART * step) * (phasors != 0.0) * (apart[0] + 1j * apart[1]))
+
+
+def _unread(waveform: Floats, table: Floats, step: float) -> Floats:
+    """Return what a waveform that is read at the same places in every period, shape (points,), may differ
+    from what was read, shape (draws, points): as far as it lies at levels, anything within a step.
+
+    That of neighbours is independent where they are more than a step apart; a waveform that rests is read
+    wrong by the same everywhere, whatever that is.
+    """
+    at_levels = abs(complex(np.mean(np.exp(2j * np.pi * waveform / step))))
+    if float(np.median(np.abs(np.diff(waveform)))) < step:
+        at_levels = 0.0
+    size = step * math.sqrt(3.0 * at_levels * float(np.mean(table**2)))
+    return size * np.random.default_rng(0).uniform(-1.0, 1.0, (_LEVELS, len(waveform)))
 
 
 def _waveforms(phasors: Complex, points: int) -> Floats:

@@ -157,25 +157,33 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     )
     of_gain = max(rest.relative_error, found.at_rest)  # which is in the errors of single frequencies too
     gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL}, and of the fit")
-    yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
+    not_known = rest.undefined_because and f"response_gain is not known: {rest.undefined_because}"
+    if rest.undefined_because:
+        yield Measurement.undefined("response_gain", unit, text, rest.undefined_because, basis)
+    else:
+        yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
 
     rest_dB = NEPER_DB * rest.relative_error
     relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB)
     text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
-    if rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
-        down, reason = None, f"response_gain is uncertain by {rest_dB:.2g} dB: play lower frequencies"
+    if not not_known and rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
+        not_known = f"response_gain is uncertain by {rest_dB:.2g} dB: play lower frequencies"
+    if not_known:
+        down, reason = None, not_known
     yield _frequency("bandwidth_3dB", text, down, reason, basis)
 
     text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
     reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
     turned = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
+    if rest.goes_on:
+        turned, reason = None, f"it may be passed below that: {rest.undefined_because}"
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
     # nowhere clearly down is not fallen; down from the first frequency on is
     has_fallen = down is not None and (math.isnan(down.standard_Hz) or not down.undefined_because)
-    yield _resonance(relative, rest_dB, has_fallen, basis)
+    yield _resonance(relative, rest_dB, has_fallen, not_known, basis)
 
     bandwidth = None if down is None or down.undefined_because else down
     yield response_delay(frequency_Hz, gain, phase, error, bandwidth, basis)
@@ -211,19 +219,26 @@ def _frequency(name: str, definition: str, found: Point | None, reason: str, bas
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
 
 
-def _resonance(relative: ResponseCurve, rest_dB: float, has_fallen: bool, basis: Basis) -> Measurement:
+def _resonance(
+    relative: ResponseCurve, rest_dB: float, has_fallen: bool, not_known: str, basis: Basis
+) -> Measurement:
     """Return the greatest gain; undefined where errors hide it, or where it may be above the frequencies
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
     text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
     peak_dB, of_peak_dB = relative.resonance()
     standard_dB = math.hypot(of_peak_dB, rest_dB)
+    stands_out = peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB
     reason = ""
-    if not math.isfinite(standard_dB):
+    if not_known:
+        reason = not_known
+    elif not math.isfinite(standard_dB):
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
-    elif not has_fallen and not peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB:
+    elif stands_out and int(np.argmax(relative.smooth)) == 0:
+        reason = f"the gain falls from {relative.frequency_Hz[0]:.4g} Hz on, the lowest frequency used"
+    elif not has_fallen and not stands_out:
         reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
     elif not has_fallen and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
         reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
@@ -322,7 +337,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "to three zeros and four poles, fitted to gain and phase at the lowest frequencies that they "
             "describe; their mean, by how well they do for the unknowns that they have. Frequencies count "
             "from the lowest where the input has more than 1 % of its greatest power and the error is at "
-            "most 1 %, or three times the median of the frequencies used",
+            "most 1 %, or three times the median of the frequencies used. Undefined where it is 3 dB off the "
+            "gain at the lowest of them, or uncertain by a fifth",
         ),
         Quantity(
             ("bandwidth_3dB",),
@@ -332,7 +348,12 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "reciprocal of the response; undefined where `response_gain` is uncertain by more than 0.9 dB",
             label="bandwidth",
         ),
-        Quantity(("bandwidth_90deg",), "Hz", "likewise, at which the phase, without jumps, is -90 degrees"),
+        Quantity(
+            ("bandwidth_90deg",),
+            "Hz",
+            "likewise, at which the phase, without jumps, is -90 degrees; undefined where the gain goes on to "
+            "change below the lowest frequency",
+        ),
         Quantity(
             ("resonance_peak",),
             "dB",
@@ -341,7 +362,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "of a cubic of the reciprocal of the response; without such a peak the greatest value; less what "
             "errors add on average to the greatest of several; as it is at least 0, the median of the "
             "part of its distribution that is above. Undefined where it is uncertain by more than 0.9 dB, "
-            "and where the gain neither shows a peak nor falls by 3 dB in the frequencies used",
+            "where the gain neither shows a peak nor falls by 3 dB in the frequencies used, and where it "
+            "falls from the lowest on",
         ),
         Quantity(
             ("response_delay",),
@@ -366,7 +388,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "",
             "`M_s`, greatest magnitude of `S = 1 - T`, read as `resonance_peak` is (Aastroem and Murray, "
             "*Feedback Systems*, 2nd ed., "
-            "12.1). Undefined where it is below 1, which it reaches above the frequencies used, where it has "
+            "12.1). Undefined where it falls from the lowest frequency used on, where it is below 1, which "
+            "it reaches above the frequencies used, where it has "
             "not clearly fallen at the last of them and `T` is not small there, and where it is uncertain by "
             "more than a tenth",
         ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +24,24 @@ _FAR_OFF, _FEWEST_FREE = 5.0, 8.0  # mean square, and degrees of freedom: of mor
 _ABOUT_AS_SURE = 2.0  # times the uncertainty
 _MISSED = 2  # counts in a row: one may be by chance
 _DETERMINED = 0.5  # largest relative uncertainty of a gain
+_OF_UNKNOWN = 2.0  # squares, by which an unknown is expected to improve a fit to other points
 _LEAST_ERROR = 1e-9  # least error, so that a fit of exact values has weights
+_HALF_POWER = math.sqrt(0.5)
+_SURE = 0.2  # largest relative uncertainty of a gain that says something
 
 
 @dataclass(frozen=True)
 class GainAtRest:
-    """Gain of a response at zero frequency and its standard uncertainty relative to it."""
+    """Gain of a response at zero frequency and its standard uncertainty relative to it.
+
+    `undefined_because` is the reason why it is undefined, empty where it is not; `goes_on` tells that it
+    changes by more than 3 dB below the lowest frequency, where the phase changes with it.
+    """
 
     gain: float
     relative_error: float
+    undefined_because: str = ""
+    goes_on: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,30 @@ def gain_at_rest(
     certain answer of those that describe theirs counts. By as much as it differs from such of fewer points
     that are about as certain, beyond chance, it is more uncertain. Where no ratio describes the points, the
     lowest gain stands for it, as far off as a parabola through it and the next is at zero frequency.
+
+    It is undefined where it is 3 dB off the lowest gain, as of a machine whose slow pole is below the
+    frequencies that are played, and where it is uncertain by a fifth. A slow pole and a zero that nearly
+    cancel each other show only about their own frequency: below the lowest no error tells of them.
     """
+    answers = _answers(frequency_Hz, response, error, shared)
+    gain, lowest_Hz = np.abs(response), float(frequency_Hz[0])
+    found = _of_answers(answers) if answers else _lowest(frequency_Hz, gain, error)
+    reason, goes_on = "", not _HALF_POWER <= found.gain / float(gain[0]) <= 1.0 / _HALF_POWER
+    if goes_on:
+        reason = (
+            f"the gain is {float(gain[0]):.3g} at {lowest_Hz:.4g} Hz, the lowest frequency used, and goes on "
+            f"to change below that: play lower frequencies"
+        )
+    elif found.relative_error > _SURE:
+        percent = 100.0 * found.relative_error
+        reason = f"it is uncertain by {percent:.2g} %: play lower frequencies, or stronger ones"
+    return replace(found, undefined_because=reason, goes_on=goes_on)
+
+
+def _answers(
+    frequency_Hz: Floats, response: Complex, error: Floats, shared: Floats | None
+) -> Sequence[_Answer]:
+    """Return the answers of more and more points that ratios of polynomials describe."""
     spread = np.maximum(error, _LEAST_ERROR) * np.abs(response)
     independent = np.cumsum(np.ones(len(response)) if shared is None else 1.0 / shared)
     count, counts, first = _FEWEST, [], 0
@@ -82,9 +114,7 @@ def gain_at_rest(
                 missed += 1
         first += _far_off(fits, 2.0 * float(pieces[-1]))
         count = math.ceil(_LONGER * count)
-    if not answers:
-        return _lowest(frequency_Hz, np.abs(response), error)
-    return _of_answers(answers)
+    return answers
 
 
 def _of_answers(answers: Sequence[_Answer]) -> GainAtRest:
@@ -124,8 +154,9 @@ def _mean(fits: Sequence[RationalFit], counts: Sequence[int], pieces: Floats) ->
 
     The lowest `counts` of points are so many independent `pieces`, of two components each, the last of these
     all. The best fit describes them if it misses no such piece by more than chance: many points far above
-    would hide that. Weights by Schwarz (Annals of Statistics 6 (1978) 461), variance within and between the
-    fits (Hoeting, Madigan, Raftery and Volinsky, Statistical Science 14 (1999) 382, equations 1 to 3).
+    would hide that. Weights by Akaike (IEEE Trans. Autom. Control 19 (1974) 716), which miss fewer slow poles
+    than those of Schwarz (Annals of Statistics 6 (1978) 461), variance within and between the fits (Hoeting,
+    Madigan, Raftery and Volinsky, Statistical Science 14 (1999) 382, equations 1 to 3).
     """
     values = 2.0 * pieces
     unknowns = np.array([each.unknowns for each in fits])
@@ -133,7 +164,7 @@ def _mean(fits: Sequence[RationalFit], counts: Sequence[int], pieces: Floats) ->
     squares = np.array([float(np.sum(each.squares)) for each in fits])
     freedom = values[-1] - unknowns
     scatter = max(1.0, float(np.min(squares / freedom)))
-    criterion = squares / scatter + unknowns * math.log(values[-1])
+    criterion = squares / scatter + _OF_UNKNOWN * unknowns
     best = int(np.argmin(criterion))
     weights = np.exp(-0.5 * (criterion - criterion[best]))
     weights /= np.sum(weights)

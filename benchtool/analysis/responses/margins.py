@@ -117,8 +117,9 @@ def _sensitivity_peak(
     """Return the greatest sensitivity.
 
     Far above the crossover every loop opens and S tends to 1, so that a greatest value below 1 is not that of
-    the loop but of the frequencies used. Nor is one from which S has not fallen clearly within these, unless
-    T is so small at the last of them that S, at most 1 + T, cannot be much greater above.
+    the loop but of the frequencies used. Nor is one at the lowest of these, or one from which S has not
+    fallen clearly within them, unless T is so small at the last of them that S, at most 1 + T, cannot be much
+    greater above.
     """
     name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
     reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error)
@@ -139,6 +140,10 @@ def _sensitivity_peak(
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif not relative <= _MOST_UNCERTAIN:
         reason = f"it is uncertain by {100.0 * relative:.2g} %: raise the stimulus"
+    elif int(np.argmax(curve.smooth)) == 0:
+        reason = (
+            f"it falls from {frequency_Hz[0]:.4g} Hz on, the lowest frequency used: play lower frequencies"
+        )
     elif peak < 1.0:
         reason = f"it is {peak:.2g} up to {last_Hz:.4g} Hz and reaches 1 above that: play higher frequencies"
     elif not has_fallen and largest_above > peak * (1.0 + relative):

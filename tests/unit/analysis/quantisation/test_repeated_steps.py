@@ -197,3 +197,24 @@ def test_a_waveform_of_few_steps_has_the_errors_of_all_that_read_alike(
     found = steps_of_periods(samples, np.arange(0, 8001, 200), 1, STEP)
     assert found is not None
     assert found.has_noise == is_few
+
+
+def test_readings_of_the_same_places_lie_at_levels_and_say_nothing_of_their_errors() -> None:
+    """Of a waveform that fills its band: its errors are as of white noise, and all in what repeats."""
+    period, step = 511, 0.02
+    waveform = np.random.default_rng(2).standard_normal(period)
+    read = step * np.round(waveform / step)
+    phasors = np.fft.rfft(read)[1:] * (2.0 / period)
+    found = repeated_steps(float(np.mean(read)), phasors, step, 0.0, period * 40.0, 40)
+    assert found is not None
+    stated = float(np.mean(found.power_at(np.arange(1, 256))))
+    assert stated == pytest.approx(4.0 * step**2 / 12.0 / period, rel=0.1)
+
+
+def test_a_waveform_that_rests_is_read_wrong_by_the_same_at_all_its_places() -> None:
+    period, step = 512, 0.02
+    rests = np.repeat([0.4, -0.4], period // 2)
+    phasors = np.fft.rfft(rests)[1:] * (2.0 / period)
+    found = repeated_steps(0.0, phasors, step, 0.0, period * 40.0, 40)
+    assert found is not None
+    assert found.of_mean(np.r_[np.full(256, 2.0), np.zeros(256)]) > 0.5 * step / np.sqrt(12.0)

@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchtool.analysis import analyze_response
+from benchtool.analysis import Basis, analyze_response
 from benchtool.analysis.responses.gain_at_rest import gain_at_rest
+from benchtool.analysis.responses.margins import margins
 from benchtool.block import Block
 
 Complex = NDArray[np.complex128]
@@ -106,3 +107,41 @@ def test_a_sweep_that_passes_the_lowest_frequencies_in_less_than_a_period_has_it
         assert gain.uncertainty is not None
         missed.append((gain.value - 1.0) / gain.uncertainty.standard)
     assert _rms(missed) < 1.4
+
+
+def test_a_gain_that_goes_on_to_change_below_the_lowest_frequency_is_undefined() -> None:
+    """A machine with a slow pole looks like any other from its resonance on, and so does its phase."""
+    rate_Hz = 1000.0
+    slow, sharp = 2.0 * math.pi * 0.3, 2.0 * math.pi * 30.0
+    below = np.polymul([1.0 / slow, 1.0], [1.0 / sharp**2, 0.1 / sharp, 1.0])
+    numerator, denominator, _ = signal.cont2discrete((np.array([1.0]), below), 1.0 / rate_Hz, "zoh")
+    period, turn = 100, 2.0 * np.pi * np.arange(100) / 100
+    one = np.sum([np.cos(line * turn + 0.3 * line**2) for line in range(1, 20)], axis=0)
+    x = np.tile(one, 40)
+    y = signal.lfilter(np.ravel(numerator), denominator, x)
+    noisy = np.asarray(y) + 1e-3 * float(np.std(y)) * np.random.default_rng(1).standard_normal(len(x))
+    block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "rad/s"}, x=x, y=noisy)
+    measurements = analyze_response(block, "x", "y", begin_row=20 * period, period_rows=period).measurements
+    found = {each.name: each for each in measurements}
+    for name in ("response_gain", "bandwidth_3dB", "bandwidth_90deg", "resonance_peak"):
+        assert math.isnan(found[name].value), name
+        assert "goes on to change below" in found[name].reason, name
+
+
+def test_a_gain_that_says_little_is_undefined() -> None:
+    frequency_Hz = np.arange(8.0, 40.0, 4.0)
+    error = np.full(len(frequency_Hz), 0.5)
+    response = _with_errors(np.ones(len(frequency_Hz)), error, np.random.default_rng(8))
+    assert "uncertain by" in gain_at_rest(frequency_Hz, response, error).undefined_because
+
+
+def test_a_sensitivity_that_falls_from_the_lowest_frequency_on_has_no_peak() -> None:
+    """Its peak is below the lines that are played."""
+    frequency_Hz = np.arange(60.0, 1000.0, 10.0)
+    s = 1j * frequency_Hz / 20.0
+    closed = np.asarray(1.0 / (s**2 + 0.8 * s + 1.0), dtype=np.complex128)
+    error = np.full(len(frequency_Hz), 1e-4)
+    (peak,) = (
+        each for each in margins(frequency_Hz, closed, error, Basis()) if each.name == "sensitivity_peak"
+    )
+    assert "the lowest frequency used" in peak.reason
