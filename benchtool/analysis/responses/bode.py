@@ -351,8 +351,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("bandwidth_90deg",),
             "Hz",
-            "likewise, at which the phase, without jumps, is -90 degrees; undefined where the gain goes on to "
-            "change below the lowest frequency",
+            "likewise, at which the phase, without jumps, is -90 degrees; undefined where the gain goes on "
+            "to change below the lowest frequency",
         ),
         Quantity(
             ("resonance_peak",),
