@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from benchmarks.coverage import (
+    angles,
     answers,
     channels,
     coarse,
@@ -33,6 +34,7 @@ FAMILIES: Mapping[str, Family] = {
     each.name: each
     for each in (
         *disturbances.FAMILIES,
+        *angles.FAMILIES,
         *channels.FAMILIES,
         *stamps.FAMILIES,
         *dynamic.FAMILIES,

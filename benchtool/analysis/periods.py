@@ -49,7 +49,7 @@ class PhaseTrack:
     in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
     polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
     track was not made from an angle. `resolution_rad` is the electrical step in which it counts, 0 where
-    it does not.
+    it does not, and `pole_pairs` the electrical periods in a revolution of it.
     """
 
     phase: Polynomial
@@ -61,6 +61,7 @@ class PhaseTrack:
         default=None, repr=False, compare=False
     )
     resolution_rad: float = 0.0
+    pole_pairs: int = 1
     follows_signal: bool = False
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -171,7 +172,9 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
     source = f"quadratic fit to {pole_pairs} x theta_m"
-    return PhaseTrack(phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad)
+    return PhaseTrack(
+        phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad, pole_pairs=pole_pairs
+    )
 
 
 def repeated_in_periods(

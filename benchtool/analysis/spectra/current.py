@@ -323,9 +323,10 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("fundamental_frequency",),
             "Hz",
             "phase between first and last row / (2 pi duration)",
-            "of the slopes that the angle's counts allow at a constant speed, or else of the slope of its "
-            "fit, by 64 parts of the record and their correlation, steps that beat with the rows, and half "
-            "of a swing slower than the record; of "
+            "of the slopes that the angle's counts allow at a constant speed, or else of the angle at both "
+            "ends, by smoothing splines of any stiffness through 128 means, steps that beat with the rows, "
+            "and half of what may be the rotor's or an error of its sensor: what it does in every revolution "
+            "or period alike, of fewer than two revolutions all that it does; of "
             "the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
             "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "

@@ -12,7 +12,8 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
-from benchtool.analysis.spectra.turned_phase import middles_of_periods, turned_by_angle, turned_by_tone
+from benchtool.analysis.spectra.turned_angle import turned_by_angle
+from benchtool.analysis.spectra.turned_phase import middles_of_periods, turned_by_tone
 from benchtool.analysis.statistics.repeatability import wander_of_difference
 from benchtool.analysis.uncertainty import Contribution, combined
 

@@ -1,23 +1,20 @@
-"""Phase of a tone, or of a measured angle, from the first to the last row of a window, with its budget."""
+"""Phase of a tone from the first to the last row of a window, with its budget."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.periods import PhaseTrack, repeated_in_periods
-from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
+from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
 from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum, rows_of
-from benchtool.analysis.statistics.scatter import MeanError, error_of_series
+from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
 
 _HANN_FIT = math.sqrt(54.463)
@@ -26,13 +23,8 @@ the duration: root of int w^4 t^2 dt / (int w^2 t^2 dt)^2, w = cos^2(pi t), t fr
 is sqrt(12)."""
 
 _OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin away, of any phase
-_LESS_THAN_A_COUNT = 1.0 - 1e-6
 _LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
-_BLOCKS = 64
-_FEWEST_AT_END = 12  # samples of an angle for a cubic
-_FEWEST_BLOCKS = 8
 _AT_ENDS = 4  # periods
-_MOSTLY = 0.5  # of a variance
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 
@@ -69,24 +61,6 @@ def turned_by_tone(
         of_steps = 2.0 * math.pi * _OF_FOLDED * folded_rad
         lines.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
     return Turned(2.0 * math.pi * track.periods, (*lines, beside), source)
-
-
-def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
-    """Return the phase of the measured angle of a track, of which the signal departs by what was `seen`.
-
-    Raises:
-        ValueError: the track has no measured angle.
-    """
-    if track.measured_rad is None:
-        raise ValueError("a track without a measured angle: give the phase of the tone")
-    if track.departure is None:
-        turned = _of_counts(track, track.measured_rad) or _of_fit(track, track.measured_rad)
-        if turned is not None:
-            return turned
-    turned_rad, of_ends = _by_ends(track, track.measured_rad)
-    # what the signal does not do with the angle may be an error of the angle, at each end another
-    departed = Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad)
-    return Turned(turned_rad, (*of_ends, departed), "noise, bend and resolution of the angle at both ends")
 
 
 def left_at_ends_rad(seen: Wander) -> float:
@@ -141,106 +115,3 @@ def middles_of_periods(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:
     """Return the middles of all whole periods, in rows, as of a constant speed."""
     count = len(seen.phase_rad)
     return FIRST_ROW + rows_of(track, count) / count * (np.arange(count, dtype=np.float64) + 0.5)
-
-
-def _of_counts(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> Turned | None:
-    """Return the phase of an angle in counts that a constant speed explains; None where it does not."""
-    if not track.resolution_rad > 0.0:
-        return None
-    rows = np.arange(track.samples, dtype=np.float64)
-    counted = line_through_counts(measured_rad, rows, _LESS_THAN_A_COUNT * track.resolution_rad)
-    if counted is None:
-        return None
-    source = "slopes that the counts of the angle allow"
-    # a speed that is not quite constant shows nowhere but where counts pass
-    standard = max(counted.standard * (track.samples - 1), _of_beats(track))
-    return Turned(counted.slope * (track.samples - 1), (Contribution(source, "B", standard),), source)
-
-
-def _of_beats(track: PhaseTrack) -> float:
-    per_row = 2.0 * math.pi * track.periods / (track.samples - 1) / track.resolution_rad
-    return of_slow_beats(track.resolution_rad, per_row, track.samples, track.residual_rad or 0.0)
-
-
-def _of_fit(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> Turned | None:
-    """Return the phase of the smooth track through an angle; None where its scatter has no uncertainty."""
-    bend_rad = _half_of_bend(track, measured_rad)
-    scatter = _of_parts(track, measured_rad, bend_rad)
-    if not math.isfinite(scatter.standard):
-        return None
-    source = "deviation of the angle from its fit, by parts of the record"
-    lines = [
-        Contribution(source, "A", scatter.standard, scatter.dof),
-        Contribution("swing slower than the record, of the rotor or its sensor", "B", abs(bend_rad)),
-    ]
-    if track.resolution_rad > 0.0:
-        lines.append(Contribution("steps of the angle that beat with the rows", "B", _of_beats(track)))
-    return Turned(2.0 * math.pi * track.periods + bend_rad, tuple(lines), source)
-
-
-def _of_parts(track: PhaseTrack, measured_rad: NDArray[np.float64], bend_rad: float) -> MeanError:
-    """Return the uncertainty of the phase over the record of an angle's fit, by the scatter over its parts.
-
-    The slope is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2. What the angle does
-    in every period alike is not in the fit, and a cubic course by `_half_of_bend` is no scatter.
-    """
-    count = track.samples
-    parts = min(_BLOCKS, max(_FEWEST_BLOCKS, int(track.periods)))
-    edges = np.linspace(0, count, parts + 1).astype(np.int64)
-    moments = []
-    measured_rad = measured_rad - repeated_in_periods(measured_rad, track.phase, track.resolution_rad)
-    for begin, end in itertools.pairwise(edges):
-        number = np.arange(begin, end, dtype=np.float64)
-        left = measured_rad[begin:end] - track.at(number) - bend_rad * _cubic(number, count)
-        moments.append(float((number - 0.5 * (count - 1)) @ left))
-    scatter = error_of_series(np.array(moments))
-    slope = scatter.standard * parts / (count * (count**2 - 1.0) / 12.0)
-    return MeanError(slope * (count - 1), min(scatter.dof, parts - 3.0))
-
-
-def _half_of_bend(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> float:
-    """Return half of the phase, rad, from the first to the last row of a cubic course of the angle about its
-    fit, where that is most of what it does; else 0.
-
-    A swing of the rotor that is slower than the record has turned it by all of that, and an error of the
-    sensor, as once in a revolution, by none: each is as likely, and half of it a standard deviation away.
-    """
-    number = np.arange(track.samples, dtype=np.float64)
-    left = measured_rad - track.at(number)
-    size = 7.0 * float(np.mean(_cubic(number, track.samples) * left))
-    return size if size**2 / 7.0 > _MOSTLY * float(np.var(left)) else 0.0
-
-
-def _cubic(number: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Return Legendre's polynomial of third degree at sample numbers, shape (n,), of so many: it is -1 and 1
-    at their ends, of mean square 1/7."""
-    x = 2.0 * number / (count - 1.0) - 1.0
-    return np.asarray(0.5 * x * (5.0 * x**2 - 3.0))
-
-
-def _by_ends(track: PhaseTrack, measured_rad: NDArray[np.float64]) -> tuple[float, tuple[Contribution, ...]]:
-    """Return the phase from the first to the last row by the measured angle, and its uncertainty.
-
-    At either end the angle's deviation from the smooth track by a parabola through an eighth of a period; a
-    cubic in its place estimates the error of the parabola. Steps of the angle that pass there scatter about
-    it, and are in its noise; what does not, as of steps that beat with the samples, is not.
-    """
-    size = max(_FEWEST_AT_END, round(track.samples / (8.0 * track.periods)))
-    values, random, left_out, steps2 = [], [], [], []
-    for rows in (slice(size), slice(track.samples - size, track.samples)):
-        numbers = np.arange(track.samples, dtype=np.float64)[rows]
-        left = measured_rad[rows] - np.asarray(track.phase(numbers))
-        edge = numbers[0] if rows.start is None else numbers[-1]
-        parabola, cubic = (Polynomial.fit(numbers, left, degree) for degree in (2, 3))
-        values.append(float(parabola(edge) + track.phase(edge)))
-        freedom = max(1, len(numbers) - 4)
-        noise = math.sqrt(float(np.sum((left - cubic(numbers)) ** 2)) / freedom)
-        # of the end of a parabola: nine times the variance of a mean
-        random.append(3.0 * noise / math.sqrt(len(numbers)))
-        left_out.append(float(cubic(edge) - parabola(edge)))
-        steps2.append(max(0.0, track.resolution_rad**2 / 12.0 - noise**2))
-    return values[1] - values[0], (
-        Contribution("noise of the angle at both ends", "A", math.hypot(*random), 2.0 * size - 8.0),
-        Contribution("bend of the angle at both ends", "B", math.hypot(*left_out)),
-        Contribution("resolution of the angle", "B", math.sqrt(sum(steps2))),
-    )
