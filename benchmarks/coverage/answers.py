@@ -183,6 +183,9 @@ def _passed(time: Floats, y: Floats, level: float) -> float:
 _LAG, _RINGING = (Mode(1.0, 19.0),), (Mode(1.0, 38.0, 77.0),)
 ANSWERS: Mapping[str, Answer] = {
     "answer_bits_7": Answer(_RINGING, bits=7),
+    "answer_fast_bits_6": Answer((Mode(1.0, 2.6, 11.0),), bits=6, rows=(150, 150)),
+    "answer_fast_bits_7_noise": Answer((Mode(1.0, 2.4),), bits=7, noise=1e-3, rows=(60, 120)),
+    "answer_fast_bits_12": Answer((Mode(1.0, 2.1),), bits=12, rows=(300, 95)),
     "answer_lag_bits_8_noise": Answer(_LAG, bits=8, noise=2e-3),
     "answer_lag_noise": Answer(_LAG, noise=1e-2),
     "answer_few_rows": Answer((Mode(1.0, 4.1, 6.7),), rows=(40, 300), noise=1e-3, delay=1.4),

@@ -9,6 +9,7 @@ _COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a 32-
 _BY_CHANCE = 10.0  # times the mean of the least distance between as many values, exp(-10) by chance
 _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
+_FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 
 
@@ -37,6 +38,26 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     step, span = float(np.min(np.diff(values))), float(values[-1] - values[0])
     least = max(_COARSE, _BY_CHANCE / len(few) ** 2) * span
     return step if step > max(least, _SUBNORMAL) else 0.0
+
+
+def step_between(values: NDArray[np.float64], levels: float) -> float:
+    """Return the greatest step that rising `values`, shape (n,), are whole numbers of apart; 0 where that is
+    by chance, as of fewer than six values, or as many `levels` are not between the first and the last.
+
+    It is the greatest common divisor, by Euclid's algorithm. Values anywhere have none above rounding.
+    """
+    if len(values) < _FEWEST_VALUES:
+        return 0.0
+    span, rounding = float(values[-1] - values[0]), _ROUNDING * float(np.max(np.abs(values)))
+    least, step = max(_COARSE * span, _SUBNORMAL), 0.0
+    for each in np.sort(np.diff(values)):  # of small ones a common divisor is least rounded
+        rest = float(each)
+        while rest > rounding:
+            step, rest = rest, step % rest
+            rest = 0.0 if step - rest < rounding else rest
+        if step < least:
+            return 0.0
+    return step if step < span / levels else 0.0
 
 
 def level_of(samples: NDArray[np.float64], step: float) -> float:

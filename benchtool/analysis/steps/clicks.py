@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation.resolution import counting_step
+from benchtool.analysis.quantisation.resolution import counting_step, step_between
 
 Floats = NDArray[np.float64]
 
@@ -112,8 +112,13 @@ def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
 
 
 def converter_step(samples: Floats) -> float:
-    """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured."""
-    return 0.0 if len(np.unique(samples)) < _FEWEST_LEVELS else counting_step(samples)
+    """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured.
+
+    Of an answer that is over in few rows few levels are seen, apart by different numbers of steps.
+    """
+    values = np.unique(samples)
+    counted = counting_step(samples) if len(values) >= _FEWEST_LEVELS else 0.0
+    return counted or step_between(values, _FEWEST_LEVELS)
 
 
 def _beyond_around(samples: Floats) -> Floats:

@@ -1,0 +1,42 @@
+"""The step of a converter by the levels that it shows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import analyze_step
+from benchtool.analysis.quantisation.resolution import step_between
+from benchtool.block import Block
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_few_levels_tell_the_step_that_they_are_whole_numbers_of_apart(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    step, level = 0.01 * random.uniform(0.1, 1.0), np.sort(random.choice(2_000, 8, replace=False))
+    found = step_between(17.3 + step * np.append(level, level[-1] + 1), 16)
+    assert found == pytest.approx(step, rel=1e-6)
+
+
+def test_values_anywhere_and_few_values_have_no_step_between_them() -> None:
+    random = np.random.default_rng(3)
+    assert not any(step_between(np.sort(random.standard_normal(9)), 16) for _ in range(200))
+    assert step_between(1.0 - np.exp(-np.arange(12.0) / 2.1), 16) == 0.0
+    assert step_between(np.linspace(0.0, 1.0, 9), 16) == 0.0  # few steps of a ramp that was drawn
+    assert step_between(np.array([0.0, 0.3, 1.0]), 2) == 0.0
+
+
+def test_an_answer_of_few_levels_leaves_a_step_of_the_converter_open() -> None:
+    """It is over in few rows: the mean at rest had an uncertainty of 1e-16."""
+    rows = np.arange(240)
+    smooth = np.where(rows < 102, 0.0, 1.0 - np.exp(-np.maximum(rows - 101.3, 0.0) / 2.3))
+    step = 1.0 / 64.0
+    y = step * np.round((smooth - 0.3 * step) / step) + 0.3 * step
+    block = Block.from_arrays(1e3, {"y": "Nm", "r": "Nm"}, y=y, r=np.where(rows < 100, 0.0, 1.0))
+    found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+    mean = found["tracking_error_mean"]
+    assert mean.uncertainty is not None
+    assert 0.9 < mean.uncertainty.standard / (step / math.sqrt(12.0)) < 1.5
+    assert abs(mean.value) < 2.0 * mean.uncertainty.standard
