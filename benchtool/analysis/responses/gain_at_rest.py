@@ -46,9 +46,12 @@ class GainAtRest:
 
 @dataclass(frozen=True)
 class _Answer:
+    """`missed` is the least mean square by which a ratio misses the points, in units of their variance."""
+
     value: float
     standard: float
     describes: bool
+    missed: float
 
 
 def gain_at_rest(
@@ -63,20 +66,20 @@ def gain_at_rest(
     Such ratios are fitted to the lowest frequencies, to more and more of them. The answer of each is the
     mean over the orders, by how well they describe the points for the unknowns that they have; the most
     certain answer of those that describe theirs counts. By as much as it differs from such of fewer points
-    that are about as certain, beyond chance, it is more uncertain. Where no ratio describes the points, the
-    lowest gain stands for it, as far off as a parabola through it and the next is at zero frequency.
+    that are about as certain, beyond chance, it is more uncertain. Where no ratio describes its points, the
+    lowest gain stands for it, as far off as a parabola through it and the next is at zero frequency, and as
+    the ratio is that misses its points least.
 
     It is undefined where it is 3 dB off the lowest gain, as of a machine whose slow pole is below the
     frequencies that are played, and where it is uncertain by a fifth. A slow pole and a zero that nearly
     cancel each other show only about their own frequency: below the lowest no error tells of them.
     """
-    answers = _answers(frequency_Hz, response, error, shared)
-    gain, lowest_Hz = np.abs(response), float(frequency_Hz[0])
-    found = _of_answers(answers) if answers else _lowest(frequency_Hz, gain, error)
-    reason, goes_on = "", not _HALF_POWER <= found.gain / float(gain[0]) <= 1.0 / _HALF_POWER
+    found = _continued(frequency_Hz, response, error, shared)
+    lowest, lowest_Hz = abs(complex(response[0])), float(frequency_Hz[0])
+    reason, goes_on = "", not _HALF_POWER <= found.gain / lowest <= 1.0 / _HALF_POWER
     if goes_on:
         reason = (
-            f"the gain is {float(gain[0]):.3g} at {lowest_Hz:.4g} Hz, the lowest frequency used, and goes on "
+            f"the gain is {lowest:.3g} at {lowest_Hz:.4g} Hz, the lowest frequency used, and goes on "
             f"to change below that: play lower frequencies"
         )
     elif found.relative_error > _SURE:
@@ -85,14 +88,12 @@ def gain_at_rest(
     return replace(found, undefined_because=reason, goes_on=goes_on)
 
 
-def _answers(
-    frequency_Hz: Floats, response: Complex, error: Floats, shared: Floats | None
-) -> Sequence[_Answer]:
-    """Return the answers of more and more points that ratios of polynomials describe."""
+def _continued(frequency_Hz: Floats, response: Complex, error: Floats, shared: Floats | None) -> GainAtRest:
+    """Return the gain by the answers of more and more points."""
     spread = np.maximum(error, _LEAST_ERROR) * np.abs(response)
     independent = np.cumsum(np.ones(len(response)) if shared is None else 1.0 / shared)
     count, counts, first = _FEWEST, [], 0
-    answers: list[_Answer] = []
+    answers, others = list[_Answer](), list[_Answer]()
     missed = 0
     while count <= len(response) and missed < _MISSED:
         counts.append(count)
@@ -107,14 +108,24 @@ def _answers(
             fits.append(rational_fit(powers, response[:count], spread[:count], zeros, poles, begin))
         if fits:
             answer = _mean(fits, counts, pieces)
-            if answer.describes and answer.standard < _DETERMINED * abs(answer.value):
+            is_determined = answer.standard < _DETERMINED * abs(answer.value)
+            if answer.describes and is_determined:
                 answers.append(answer)
                 missed = 0
             elif answers:
                 missed += 1
+            elif is_determined:
+                others.append(answer)
         first += _far_off(fits, 2.0 * float(pieces[-1]))
         count = math.ceil(_LONGER * count)
-    return answers
+    if answers:
+        return _of_answers(answers)
+    lowest = _lowest(frequency_Hz, np.abs(response), error)
+    if not others:
+        return lowest
+    least = min(others, key=lambda each: each.missed)
+    apart = abs(least.value) / lowest.gain - 1.0
+    return replace(lowest, relative_error=math.hypot(lowest.relative_error, apart))
 
 
 def _of_answers(answers: Sequence[_Answer]) -> GainAtRest:
@@ -178,4 +189,5 @@ def _mean(fits: Sequence[RationalFit], counts: Sequence[int], pieces: Floats) ->
     # the last that so few points allow follows them whatever they are
     is_last = best == len(fits) - 1
     describes = close and not misses and not is_last and variance > 0.0
-    return _Answer(mean, math.sqrt(variance) if variance > 0.0 else math.inf, describes)
+    standard = math.sqrt(variance) if variance > 0.0 else math.inf
+    return _Answer(mean, standard, describes, float(np.min(squares / freedom)))
