@@ -35,6 +35,7 @@ _MOST_PLACES, _FEWEST_PLACES, _FEWEST_REPEATED = 64, 8, 8  # places in a period,
 _BY_CHANCE, _OF_QUADRATIC = 1e-6, 3
 _OF_STEPS = 1.0  # rms of what repeats, over the steps of an encoder: they repeat with 0.29 of one
 _REFITS = 2  # the first leaves a share of one over the periods
+_DIGITS = 9  # of an angle, above its rounding
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
 
@@ -155,7 +156,9 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
     _require_direction(theta_e)
-    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m))
+    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m)) or step_of_counts(
+        theta_e, pole_pairs * _digit_rad(theta_m)
+    )
     phase, residual_rad = _fit_quadratic(theta_e)
     for _ in range(_REFITS):
         repeated_rad = repeated_in_periods(theta_e, phase, step_rad)
@@ -175,6 +178,13 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     return PhaseTrack(
         phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad, pole_pairs=pole_pairs
     )
+
+
+def _digit_rad(theta_m: NDArray[np.float64]) -> float:
+    """Return the resolution of an angle, rad, shape (n,), that has so many digits within each turn: of these
+    no whole number is a turn, and without its jumps the angle has other ones in each."""
+    few = theta_m[:: max(1, len(theta_m) // _CHUNK)]
+    return resolution(np.asarray(np.round(np.mod(few, 2 * np.pi), _DIGITS), dtype=np.float64))
 
 
 def repeated_in_periods(

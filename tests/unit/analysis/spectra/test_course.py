@@ -83,3 +83,19 @@ def test_an_error_of_the_sensor_at_both_ends_is_in_the_uncertainty(seed: int) ->
     """Once in an electrical period it moves no phase of the current from period to period."""
     error, standard = _error(30e-3, 20e-3, POLE_PAIRS, np.random.default_rng(seed))
     assert abs(error) < 2.5 * standard
+
+
+def test_digits_of_an_angle_are_counts_with_its_jumps_or_without() -> None:
+    """No whole number of them is a turn: without jumps the angle seemed to have no steps, and where a few
+    rows at either end were equally far apart by chance, no error."""
+    time_s = np.arange(700) / 700.0
+    theta = 2 * np.pi * 17.8333 * time_s + 0.3
+    read = np.asarray(np.round(np.mod(theta, 2 * np.pi), 2), dtype=np.float64)
+    for angle in (read, np.unwrap(read)):
+        track = track_angle(angle, 1)
+        assert track.resolution_rad == pytest.approx(0.01)
+    block = Block.from_arrays(700.0, {"i_a": "A"}, i_a=np.cos(theta))
+    frequency = current_spectrum(block, "i_a", track).measurements[0]
+    assert frequency.uncertainty is not None
+    assert 1e-7 < frequency.uncertainty.standard < 1e-4
+    assert abs(frequency.value - 17.8333) < 3.0 * frequency.uncertainty.standard
