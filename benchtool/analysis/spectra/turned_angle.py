@@ -20,7 +20,7 @@ _LESS_THAN_A_COUNT = 1.0 - 1e-6
 _BLOCKS, _FEWEST_IN_BLOCK = 128, 3
 _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
-_HALF = 0.5  # of what is as likely the rotor's as an error of its sensor: a standard deviation away from both
+_HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
 Floats = NDArray[np.float64]
 
