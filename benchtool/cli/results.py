@@ -22,6 +22,7 @@ from benchtool.results import (
 )
 
 _MOST_COLUMNS = 7
+_MOST_NAMED = 4
 
 
 def measured(measurement: Measurement) -> str:
@@ -74,21 +75,21 @@ def show_disagreements(
     output: Output, found: Sequence[tuple[str, Assessment]], together: str = "cases"
 ) -> None:
     """Print where the transducer contradicts the drive's estimate, each case after its prefix: measurements
-    with a limit in full, others by name with their number of all `together`."""
-    others: dict[str, int] = {}
+    with a limit in full, the first of the others by name, in how many of all `together`."""
+    counts: dict[str, int] = {}
     for prefix, case in found:
         for each in case.disagreements:
             if each.verdict is None:
-                others[each.name] = others.get(each.name, 0) + 1
+                counts[each.name] = counts.get(each.name, 0) + 1
                 continue
             text = f"{_disagreement_text(each, prefix)}: {each.verdict} there"
             output.sentence(text, VERDICT_COLOURS[each.verdict], lead="  ")
-    if others:
-        named = [
-            f"{name} ({count} of {len(found)} {together})" if len(found) > 1 else name
-            for name, count in others.items()
-        ]
-        output.sentence(f"the transducer disagrees: {', '.join(named)}", "dim", lead="  ")
+    for count in sorted(set(counts.values()), reverse=True):
+        names = [name for name, often in counts.items() if often == count]
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        among = f" in {count} of {len(found)} {together}" if len(found) > 1 else ""
+        named = f"{', '.join(names[:_MOST_NAMED])}{more}"
+        output.sentence(f"the transducer disagrees{among}: {named}", "dim", lead="  ")
 
 
 def _disagreement_text(found: Disagreement, of: str) -> str:
