@@ -83,7 +83,7 @@ def _jump(seen: Wander, name: str) -> str:
         slipped = (
             "the encoder, its coupling or belt slipped, or lost counts"
             if seen.by_angle
-            else "rows are missing"
+            else "rows are missing or repeat others"
         )
         return (
             f"the phase of {name} jumps by {seen.jump_rad:.2g} rad from one period to the next, and its "
