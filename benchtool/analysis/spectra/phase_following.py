@@ -186,7 +186,7 @@ def follow(
         if other is None:
             continue
         by_angle = along(other)
-        if other is angle.within and not by_angle.is_clearly(other_than=found):
+        if other is angle.within:
             undecided = by_angle
         elif by_angle.off_line < found.off_line:
             found = by_angle

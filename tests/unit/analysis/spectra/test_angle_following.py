@@ -63,3 +63,11 @@ def test_a_slip_does_not_hide_that_a_wobble_is_the_encoders() -> None:
     found, doubt = amplitudes(current_of(STEADY), angle)
     assert found[[1, 5]] == pytest.approx([1.0, 0.04], abs=1e-4)
     assert len(doubt) == 0 or float(np.max(doubt)) < 1e-5
+
+
+@pytest.mark.parametrize("begin", [0.1, 1.3, 2.6, 4.1])
+def test_the_error_of_a_resolver_is_not_followed_where_the_rotor_swings_slowly_as_well(begin: float) -> None:
+    """What a track by sixteenths of a period follows better is that swing, and not what it adds within."""
+    phase = STEADY + 0.36 * np.sin(2.0 * np.pi * 0.7 * T + begin)
+    found, _ = amplitudes(current_of(phase), phase + 7e-3 * np.sin(phase + 0.3))
+    assert found[[1, 2, 3, 5]] == pytest.approx([1.0, 0.0, 0.0, 0.04], abs=2e-4)
