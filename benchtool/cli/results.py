@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
@@ -76,11 +77,11 @@ def show_disagreements(
 ) -> None:
     """Print where the transducer contradicts the drive's estimate, each case after its prefix: measurements
     with a limit in full, the first of the others by name, in how many of all `together`."""
-    counts: dict[str, int] = {}
+    counts = Counter[str]()
     for prefix, case in found:
         for each in case.disagreements:
             if each.verdict is None:
-                counts[each.name] = counts.get(each.name, 0) + 1
+                counts[each.name] += 1
                 continue
             text = f"{_disagreement_text(each, prefix)}: {each.verdict} there"
             output.sentence(text, VERDICT_COLOURS[each.verdict], lead="  ")

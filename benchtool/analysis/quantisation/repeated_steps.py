@@ -183,11 +183,11 @@ def repeated_steps(
         return _OfFewSteps(read, found.read - found.signals, 1, found)
     needed = _needed(kept, step)
     points = _distinct(samples, periods, needed)
-    at_same_places = points < needed
     if turns is not None and points < needed and _stay(turns, points):
         turns = None
+    at_same_places = points < needed and turns is None
     every = 1
-    if points == needed or turns is not None:
+    if not at_same_places:
         # of orders 12 and 24 alone a waveform has a period of a twelfth, and so have its errors
         every = math.gcd(*map(int, np.flatnonzero(kept) + 1)) or 1
         kept = kept[every - 1 :: every]

@@ -176,9 +176,11 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 
     text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
     reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
-    turned = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN).falls_to(_QUARTER_TURN)
     if rest.goes_on:
         turned, reason = None, f"it may be passed below that: {rest.undefined_because}"
+    else:
+        along = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN)
+        turned = along.falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
     # nowhere clearly down is not fallen; down from the first frequency on is
@@ -226,13 +228,13 @@ def _resonance(
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
     text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
+    if not_known:
+        return Measurement.undefined("resonance_peak", "dB", text, not_known, basis)
     peak_dB, of_peak_dB = relative.resonance()
     standard_dB = math.hypot(of_peak_dB, rest_dB)
     stands_out = peak_dB > _greatest_by_chance(len(relative.values)) * standard_dB
     reason = ""
-    if not_known:
-        reason = not_known
-    elif not math.isfinite(standard_dB):
+    if not math.isfinite(standard_dB):
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"

@@ -181,23 +181,18 @@ def follow(
 
     smooth = along(track)
     angle = along_angle(track, smooth.coherent.samples / smooth.coherent.periods)
-    found, undecided = smooth, None
-    for other in (angle.of_periods, angle.within):
-        if other is None:
-            continue
-        by_angle = along(other)
-        if other is angle.within:
-            undecided = by_angle
-        elif by_angle.off_line < found.off_line:
-            found = by_angle
+    found = smooth
+    if angle.of_periods is not None:
+        by_angle = along(angle.of_periods)
+        found = by_angle if by_angle.off_line < smooth.off_line else smooth
     jump_rad, jumps_alone = found.seen.jump_rad, found.seen.jumps_alone
     by_tone = _followed(samples, sample_rate_Hz, found, name)
     if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
         by_tone = _followed(samples, sample_rate_Hz, smooth, name).if_clearly_better_than(by_tone)
     doubt = np.empty(0)
-    if undecided is not None:  # by what both have in common, such as a slip
-        by_angle = _followed(samples, sample_rate_Hz, undecided, name)
+    if angle.within is not None:  # by what both have in common, such as a slip
+        by_angle = _followed(samples, sample_rate_Hz, along(angle.within), name)
         if by_angle.is_clearly(other_than=by_tone):
             by_tone = by_angle.if_clearly_better_than(by_tone)
         else:

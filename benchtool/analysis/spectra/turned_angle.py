@@ -35,15 +35,16 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
         raise ValueError("a track without a measured angle: give the phase of the tone")
     if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
         return counted
-    repeated_rad = _repeated(track, track.measured_rad)
+    smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
+    repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
     measured_rad = track.measured_rad - repeated_rad
     may_be_rad = float(repeated_rad[-1] - repeated_rad[0])
     if track.departure is not None:
         found = _by_ends(track, measured_rad, seen)
     else:
-        found = _by_course(track, measured_rad)
+        found = _by_course(track, smooth_rad, measured_rad)
         if not _shows_turns(track):  # nothing is seen to repeat: all of the course may be the sensor's
-            may_be_rad += float(track.phase(track.samples - 1) - track.phase(0)) - found.phase_rad
+            may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
     half_rad = _HALF * may_be_rad
     of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
     return Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
@@ -73,25 +74,24 @@ def _of_beats(track: PhaseTrack) -> float:
     return of_slow_beats(track.resolution_rad, per_row, track.samples, track.residual_rad or 0.0)
 
 
-def _repeated(track: PhaseTrack, measured_rad: Floats) -> Floats:
-    """Return what the angle does in every revolution or period alike, shape (n,).
+def _repeated(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Floats:
+    """Return what the angle does about the smooth phase in every revolution or period alike, shape (n,).
 
     It is the rotor's or an error of its sensor, such as that of a resolver: each is as likely, and half of it
     a standard deviation away from both.
     """
-    smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
     turns, left_rad = (smooth_rad - smooth_rad[0]) / (2.0 * math.pi), measured_rad - smooth_rad
     of_revolution = repeated_in_turns(left_rad, turns / track.pole_pairs)
     return of_revolution + repeated_in_turns(left_rad - of_revolution, turns)
 
 
-def _by_course(track: PhaseTrack, measured_rad: Floats) -> Turned:
-    """Return the phase by the course of the angle about the steady rise of the track.
+def _by_course(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Turned:
+    """Return the phase by the course of the angle about the steady rise of the track, its smooth phase.
 
     Of fewer than two revolutions that course may be an error of the sensor: then the slope of the rise errs
     too, which is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
     """
-    left_rad = measured_rad - np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
+    left_rad = measured_rad - smooth_rad
     parts = min(_BLOCKS, track.samples // _FEWEST_IN_BLOCK)
     edges = np.linspace(0, track.samples, parts + 1).astype(np.int64)
     means = np.add.reduceat(left_rad, edges[:-1]) / np.diff(edges)
@@ -108,8 +108,7 @@ def _by_course(track: PhaseTrack, measured_rad: Floats) -> Turned:
         budget.append(Contribution("its slope, if it is that of the sensor", "A", standard, dof))
     if track.resolution_rad > 0.0:
         budget.append(Contribution("steps of the angle that beat with the rows", "B", _of_beats(track)))
-    smooth_rad = float(track.phase(track.samples - 1) - track.phase(0))
-    return Turned(smooth_rad + course.size, tuple(budget), source)
+    return Turned(float(smooth_rad[-1] - smooth_rad[0]) + course.size, tuple(budget), source)
 
 
 def _by_ends(track: PhaseTrack, measured_rad: Floats, seen: Wander) -> Turned:
