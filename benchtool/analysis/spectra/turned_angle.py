@@ -20,6 +20,7 @@ _LESS_THAN_A_COUNT = 1.0 - 1e-6
 _BLOCKS, _FEWEST_IN_BLOCK = 128, 3
 _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
+_PASSES = 2
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
 Floats = NDArray[np.float64]
@@ -78,11 +79,18 @@ def _repeated(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Fl
     """Return what the angle does about the smooth phase in every revolution or period alike, shape (n,).
 
     It is the rotor's or an error of its sensor, such as that of a resolver: each is as likely, and half of it
-    a standard deviation away from both.
+    a standard deviation away from both. It tilts the smooth phase, by which turns are told: without that they
+    are told once more.
     """
-    turns, left_rad = (smooth_rad - smooth_rad[0]) / (2.0 * math.pi), measured_rad - smooth_rad
-    of_revolution = repeated_in_turns(left_rad, turns / track.pole_pairs)
-    return of_revolution + repeated_in_turns(left_rad - of_revolution, turns)
+    place = np.linspace(-1.0, 1.0, track.samples)
+    repeated_rad, tilt_rad = np.zeros(track.samples), 0.0
+    for _ in range(_PASSES):
+        steady_rad = smooth_rad + tilt_rad * place
+        turns, left_rad = (steady_rad - steady_rad[0]) / (2.0 * math.pi), measured_rad - steady_rad
+        of_revolution = repeated_in_turns(left_rad, turns / track.pole_pairs)
+        repeated_rad = of_revolution + repeated_in_turns(left_rad - of_revolution, turns)
+        tilt_rad = 3.0 * float(np.mean(place * (measured_rad - repeated_rad - smooth_rad)))
+    return repeated_rad
 
 
 def _by_course(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Turned:

@@ -85,6 +85,21 @@ def test_an_error_of_the_sensor_at_both_ends_is_in_the_uncertainty(seed: int) ->
     assert abs(error) < 2.5 * standard
 
 
+@pytest.mark.parametrize("phase_rad", [0.0, 1.5, 3.0])
+def test_an_error_once_a_turn_of_nearly_whole_turns_is_told_by_turns_without_its_tilt(
+    phase_rad: float,
+) -> None:
+    """Both ends are at nearly one place of a turn, and next to nothing of the error is between them."""
+    theta = np.linspace(0.0, 2 * np.pi * 19.9993, 20_000)
+    angle = theta + 0.01 * np.sin(theta + phase_rad)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=np.cos(POLE_PAIRS * theta))
+    frequency = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+    true_Hz = POLE_PAIRS * 19.9993 / 19_999 * RATE_HZ
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - true_Hz) < 1.5 * frequency.uncertainty.standard
+    assert frequency.uncertainty.standard < 1e-5
+
+
 def test_digits_of_an_angle_are_counts_with_its_jumps_or_without() -> None:
     """No whole number of them is a turn: without jumps the angle seemed to have no steps, and where a few
     rows at either end were equally far apart by chance, no error."""
