@@ -121,6 +121,7 @@ from .spectra.spectrum import (
     spectrum_of as spectrum_of,
 )
 from .spectra.unbalance import current_unbalance as current_unbalance
+from .statistics.lost_samples import continued as continued
 from .statistics.regimes import change_of_regime as change_of_regime
 from .statistics.scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .steady_state import (

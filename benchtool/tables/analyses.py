@@ -130,6 +130,8 @@ def _limited(record: Record, number: Measurement, held: float) -> Measurement:
 def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
     name = record.channels["current"].name
     try:
+        if held := _held(record, "current"):
+            raise AnalysisError(held)
         even = _even(record)
         spectrum = _current_spectrum(even, Periods(even) if even is not record else periods, name)
     except AnalysisError as refused:
@@ -139,17 +141,17 @@ def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
         yield from _ripple(record, periods, "current")
         yield from _unbalance(record, None, reason)
         return
-    yield from spectrum.measurements
-    yield from _unbalance(even, spectrum.track, "")
-    yield from spectrum.tables
+    yield from even.told(spectrum.measurements)
+    yield from even.told(_unbalance(even, spectrum.track, ""))
+    yield from even.told(spectrum.tables)
 
 
 def _even(record: Record) -> Record:
-    """Return the rows with even steps of which a spectrum is made; raises AnalysisError where there are
-    none."""
+    """Return the rows with even steps of which a spectrum is made, and none is stale; raises AnalysisError
+    where there are none."""
     if record.even is None:
         raise AnalysisError(record.uneven)
-    return record.even
+    return record.even.restored
 
 
 def _of_stretch(record: Record, refused: AnalysisError) -> str:
@@ -165,8 +167,6 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
     if record.uniform is None:
         raise AnalysisError(record.uneven)
     require_signal(record.column("current"), name)
-    if held := _held(record, "current"):
-        raise AnalysisError(held)
     track = periods.of_phase_current()
     found = current_spectrum(record.uniform, name, track, rate_relative=record.rate_relative)
     if base.gaps_known:
@@ -211,17 +211,22 @@ def _held(record: Record, what: str) -> str:
 
 
 def _lines(record: Record, what: str) -> Iterator[Measurement | Table]:
-    channel, uniform = record.channels[what], record.uniform
-    if uniform is None or record.dead(what):  # of a stretch alone: the record is not
+    channel = record.channels[what]
+    if record.uniform is None or record.dead(what):  # of a stretch alone: the record is not
         return
-    if held := _held(record, what):
+    try:
+        if held := _held(record, what):
+            raise AnalysisError(held)
+        restored = record.restored
+    except AnalysisError as refused:
         for name, unit in ((f"{what}_line_frequency", "Hz"), (f"{what}_line_amplitude", channel.unit)):
             definition = f"largest line of {channel.name}"
-            yield Measurement.undefined(name, unit, definition, held, record.basis)
+            yield Measurement.undefined(name, unit, definition, str(refused), record.basis)
         return
-    lines = spectral_lines(uniform, channel.name, what, rate_relative=record.rate_relative or 0.0)
-    yield from lines.measurements
-    yield from lines.tables
+    assert restored.uniform is not None  # as that of the record
+    lines = spectral_lines(restored.uniform, channel.name, what, rate_relative=record.rate_relative or 0.0)
+    yield from restored.told(lines.measurements)
+    yield from restored.told(lines.tables)
 
 
 def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
@@ -241,20 +246,24 @@ def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
 def _found_orders(record: Record, what: str) -> Orders:
     if held := _held(record, what):
         raise AnalysisError(held)
-    channel = record.channels[what].name
+    channel, unit = record.channels[what].name, record.channels[what].unit
     pole_pairs, slots = record.question.pole_pairs, record.question.slots
     omega_m_rad_s = record.question.omega_m_rad_s
     if omega_m_rad_s is not None:
-        uniform = _even(record).uniform
-        if uniform is None:
+        even = _even(record)
+        if even.uniform is None:
             raise AnalysisError(record.uneven)
-        stated = orders_at_speed(uniform, channel, omega_m_rad_s)
-        return describe_orders(stated, what, pole_pairs, slots)
+        stated = describe_orders(
+            orders_at_speed(even.uniform, channel, omega_m_rad_s), what, pole_pairs, slots
+        )
+        told = tuple(even.told(stated.measurements)), tuple(even.told(stated.tables))
+        return replace(stated, measurements=told[0], tables=told[1])
     angle = record.channels["angle"].name
-    if record.block is not None:
-        return order_analysis(record.block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
+    block = record.read  # values and angles of stale rows are late by the same, and their times are not
+    if block is not None:
+        return order_analysis(block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
     coverage = angle_coverage(record.column("angle"), angle)
-    unit = record.channels[what].unit  # stamps that are uneven do not tell a wobble from their own jitter
+    # stamps that are uneven do not tell a wobble from their own jitter
     spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis)
     return describe_orders(spectrum, what, pole_pairs, slots)
 

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, count_of, require_signal
+from benchtool.analysis import Basis, Measurement, Table, continued, count_of, require_signal
+from benchtool.analysis.orders import unwrapped_angle
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
 from benchtool.tables.lost import Lost
+from benchtool.tables.stale_rows import repeating_rows, stale_rows, too_stale
 from benchtool.tables.time_base import TimeBase, time_base
 
 _LEAST_STRETCH = 0.25  # of the rows: mean and ripple of a shorter one do not stand for the record
+
+
+_Result = TypeVar("_Result", Measurement, Table)
 
 
 @dataclass(frozen=True)
@@ -36,7 +43,8 @@ class Cut:
 class Record:
     """Rows in SI units, the time first; `channels` are the other columns, by kind, `lost` what is missing.
 
-    `cut` is set where they are the longest stretch of more rows, `unbroken`.
+    `cut` is set where they are the longest stretch of more rows, `unbroken`; `restored_rows` of them were
+    stale, `restored`.
     """
 
     data: NDArray[np.float64]
@@ -45,6 +53,7 @@ class Record:
     question: TableQuestion
     lost: Lost = field(default_factory=Lost)
     cut: Cut | None = None
+    restored_rows: int = 0
 
     @property
     def unbroken(self) -> Record:
@@ -78,6 +87,57 @@ class Record:
         if not self.base.gaps_known or base.refusal or base.gaps:
             return None
         return replace(self, data=rows, base=base, lost=replace(self.lost, within=0), cut=Cut(count, gaps))
+
+    @cached_property
+    def repeating(self) -> NDArray[np.bool_]:
+        """Which of the rows repeat the one before, though not by chance, shape (n,)."""
+        return repeating_rows(self.data[:, 1:])
+
+    @cached_property
+    def stale(self) -> NDArray[np.bool_]:
+        """Which of the rows repeat the one before because nothing new was read, shape (n,)."""
+        return stale_rows(self.repeating)
+
+    @cached_property
+    def restored(self) -> Record:
+        """The rows, of even steps, those that are stale as the others have it: a line is smaller in values
+        that are late.
+
+        Raises:
+            AnalysisError: the others do not tell.
+        """
+        if not np.any(self.stale):
+            return self
+        if reason := too_stale(self.stale):
+            raise AnalysisError(reason)
+        data = self.data.copy()
+        for column, (what, channel) in enumerate(self.channels.items(), 1):
+            if what == "angle":
+                data[:, column] = _restored_angle(unwrapped_angle(data[:, column], channel.name), self.stale)
+            else:
+                data[:, column] = continued(data[:, column], self.stale)
+        return replace(self, data=data, restored_rows=int(np.count_nonzero(self.stale)))
+
+    def told(self, numbers: Iterable[_Result]) -> Iterator[_Result]:
+        """Yield numbers of the rows, whose definitions say that some were stale."""
+        for each in numbers:
+            if self.restored_rows:
+                rows = count_of(self.restored_rows, "row that repeats", "rows that repeat")
+                text = f"{each.definition}; {rows} the one before left out, and continued from the others"
+                yield replace(each, definition=text)
+            else:
+                yield each
+
+    @property
+    def read(self) -> Block | None:
+        """The block, in which rows that are stale are missing."""
+        block = self.block
+        if block is None or not np.any(self.stale):
+            return block
+        rows = np.flatnonzero(~self.stale)
+        missing = np.diff(block.ticks()[rows]) - 1
+        gaps = tuple(Gap(int(row) + 1, int(missing[row])) for row in np.flatnonzero(missing))
+        return replace(block, data=block.data[rows], gaps=gaps)
 
     @property
     def block(self) -> Block | None:
@@ -126,3 +186,10 @@ class Record:
         except AnalysisError as refused:
             return str(refused)
         return ""
+
+
+def _restored_angle(angle_rad: NDArray[np.float64], stale: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return an angle without jumps, shape (n,), that goes on where rows are stale."""
+    rows = np.arange(len(angle_rad), dtype=np.float64)
+    course = Polynomial.fit(rows[~stale], angle_rad[~stale], 2)(rows)
+    return np.asarray(course + continued(angle_rad - course, stale))

@@ -9,9 +9,8 @@ from datetime import date
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
-from benchtool.analysis import Measurement, clipping, resolution
+from benchtool.analysis import Measurement, clipping
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.clocks import Clock
 from benchtool.tables.head import Column
@@ -19,10 +18,9 @@ from benchtool.tables.layout import Layout
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
 from benchtool.tables.selection import Selection
+from benchtool.tables.stale_rows import too_stale
 from benchtool.tables.units import is_listed
 
-_REPEATED_SHARE = 0.02
-_FINE = 10.0
 _LARGEST_SLIP = 0.1  # an induction machine's at its rated load is less
 _LARGEST_DEVIATION = 0.01  # of a stated speed: a line further away is taken for none of an order
 
@@ -167,7 +165,7 @@ def remarks(record: Record) -> Iterator[Remark]:
     if np.any(steps < 0.0) and np.any(steps > 0.0):
         text = f"{record.base.refusal}; the numbers are of all rows together: measure each record by itself"
         yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
-    if text := _repeated(record.data[:, 1:]):
+    if text := _repeated(record):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
     for what, channel in record.channels.items():
         samples = record.column(what)
@@ -223,25 +221,17 @@ def _shortened(record: Record, measured: str = "measured is", others: str = "") 
     )
 
 
-def _repeated(values: NDArray[np.float64]) -> str:
-    if len(values) < 2:
+def _repeated(record: Record) -> str:
+    count, row = int(np.count_nonzero(record.repeating)), int(np.argmax(record.repeating)) + 1
+    if not count:
         return ""
-    steps = np.diff(values, axis=0)
-    if not any(_is_fine(column, step) for column, step in zip(values.T, steps.T, strict=True)):
-        return ""
-    same = np.all(steps == 0.0, axis=1)
-    share = float(np.mean(same))
-    if share < _REPEATED_SHARE:
-        return ""
-    return (
-        f"{100 * share:.2g} % of the rows repeat all values of the row before, the first is row "
-        f"{int(np.argmax(same)) + 2} of those used: values were held or written twice, and count as often"
+    share = 100 * count / len(record.repeating)
+    text = (
+        f"{share:.2g} % of the rows ({count}) repeat all values of the row before, the first is row {row} of "
+        f"those used: values were held or written twice; mean and ripple count them as often"
     )
-
-
-def _is_fine(samples: NDArray[np.float64], steps: NDArray[np.float64]) -> bool:
-    """Return whether a column changes by many of its least steps, so that equal neighbours are not by
-    chance."""
-    moved = steps[steps != 0.0]
-    least = resolution(samples)
-    return bool(len(moved)) and (least == 0.0 or float(np.median(np.abs(moved))) > _FINE * least)
+    if not np.any(record.stale):
+        return text
+    if too_stale(record.stale):
+        return f"{text}, spectra and lines are undefined"
+    return f"{text}, orders leave them out, and spectra and lines continue the others there"
