@@ -36,6 +36,7 @@ _REMARKS = frozenset(
         "commento",
     )
 )
+_BLANK = " \r\n\f\v"
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
@@ -236,13 +237,18 @@ def has_number(cell: str) -> bool:
 
 
 def bare_line(line: str) -> str:
-    """Return a line without the sign of a comment before it."""
-    return line.strip().lstrip("#%").strip()
+    """Return a line without the sign of a comment before it; tabs separate cells, which may be empty."""
+    return line.strip(_BLANK).lstrip("#%").strip(_BLANK)
 
 
 def fitted(line: str, delimiter: str, width: int) -> list[str] | None:
     """Return the cells of a head line, one for each column, or None; its delimiter may not be the body's."""
-    ways = [split(line, delimiter), *(split(line, other) for other in ",;\t|"), re.split(r"\s{2,}|\t", line)]
+    ways = [
+        split(line, delimiter),
+        split(line.strip(), delimiter),
+        *(split(line, other) for other in ",;\t|"),
+        re.split(r"\s{2,}|\t", line),
+    ]
     if delimiter != BLANKS:  # one in brackets separates nothing: [mA; DC]
         outside = rf"{re.escape(delimiter)}(?![^\[]*\])(?![^(]*\))"
         ways.append([cell.strip() for cell in re.split(outside, line)])
@@ -328,6 +334,9 @@ def _quotient(name: str) -> tuple[str, str]:
     mA`), else the name and no unit."""
     if (match := _IN_A_UNIT.fullmatch(name.strip())) and is_unit(match[2]):
         return match[1] or name.strip(), match[2]
+    *before, last = re.split(r"[_\s]+", name.strip())
+    if before and "/" in last and is_unit(last):  # n_1/min, omega rad/s
+        return name, ""
     quantity, solidus, unit = (part.strip() for part in name.partition("/"))
     unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
     return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")

@@ -312,7 +312,11 @@ def unit_behind(name: str, unit: str) -> str:
             behind = [each for each in words[-count:] if each != "per"]
             text = between.join(behind)
             # a letter alone is an index: i_s, u_h
-            if len(words) > count and len(text) > 1 and unit_factor(text, unit) is not None:
+            if (
+                len(words) > count
+                and (len(text) > 1 or not text.isalnum())
+                and unit_factor(text, unit) is not None
+            ):
                 return text
     first = splits[0][0]
     is_unit_first = len(splits[0]) > 1 and len(first) > 1 and first.lower() not in ("min", "max")

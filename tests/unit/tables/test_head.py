@@ -185,3 +185,23 @@ def test_a_column_is_found_by_what_stands_before_a_joined_unit(tmp_path: Path) -
     found = table(tmp_path, "T,i=mA,t:ms\n")
     chosen = [found.select("t", "s"), found.select("i", "A"), found.select("T", "Nm")]
     assert [(each.number, each.unit) for each in chosen] == [(3, "ms"), (2, "mA"), (1, "Nm")]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "si_unit"),
+    [
+        *(("speed_rad/s", "rad/s", "rad/s"), ("n 1/min", "1/min", "rad/s"), ("n_U/min", "U/min", "rad/s")),
+        *(("n/rad/s", "rad/s", "rad/s"), ("n/1/min", "1/min", "rad/s"), ("angle_°", "°", "rad")),
+    ],
+)
+def test_a_solidus_within_a_unit_is_none_before_it(
+    tmp_path: Path, name: str, unit: str, si_unit: str
+) -> None:
+    assert table(tmp_path, f"t,{name},other\n").select("2", si_unit).unit == unit
+
+
+def test_the_first_cell_of_units_may_be_empty_between_tabs(tmp_path: Path) -> None:
+    path = tmp_path / "table.txt"
+    path.write_text("Time\tI\tT\n\tmA\tNcm\n" + ROWS.replace(",", "\t"), encoding="utf-8")
+    found = TextTable.open(path)
+    assert [found.select(*each).unit for each in (("I", "A"), ("T", "Nm"))] == ["mA", "Ncm"]
