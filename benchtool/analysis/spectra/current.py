@@ -329,8 +329,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             "or period alike, of fewer than two revolutions all that it does; of "
             "the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise beside the line in quadrature "
             "(Hann-weighted; unweighted it were sqrt(12)), under a Hann window where that is clearly less, "
-            "and the converter's steps that fold to beside the line; of a phase that was followed, its noise "
-            "at both ends",
+            "and the converter's steps that fold to beside the line; of a phase that was followed, and of an "
+            "angle of less than a revolution, or that swings within less than two, the noise at both ends of "
+            "the signal's own phase (none of fewer than five periods)",
         ),
         Quantity(
             ("current_fundamental",),

@@ -10,12 +10,18 @@ import numpy as np
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.sensitivity import NO_SENSORS
+from benchtool.analysis.spectra.continuation import FEWEST
 from benchtool.analysis.spectra.phase_following import Wander
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
-from benchtool.analysis.spectra.turned_angle import turned_by_angle
+from benchtool.analysis.spectra.turned_angle import tells_its_turn, turned_by_angle
 from benchtool.analysis.spectra.turned_phase import middles_of_periods, turned_by_tone
 from benchtool.analysis.statistics.repeatability import wander_of_difference
 from benchtool.analysis.uncertainty import Contribution, combined
+
+_TOO_SHORT = (
+    "an error of the angle's sensor does not show within {:.2g} revolutions, and the signal has {} whole "
+    "periods, at least {} are needed to tell its own phase: record longer"
+)
 
 
 def frequency(
@@ -32,9 +38,11 @@ def frequency(
     `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
     over the record."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
-    by_tone = track.measured_rad is None or track.follows_signal
+    by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
     if by_tone and track.measured_rad is not None:
         text += f", of the signal; the angle alone gives {_of_angle_Hz(spectrum, track):.6g} Hz"
+        if not reason and len(seen.phase_rad) < FEWEST:
+            reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
     if by_tone and reason:
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s

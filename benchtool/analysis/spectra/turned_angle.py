@@ -51,6 +51,16 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
     return Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
 
 
+def tells_its_turn(track: PhaseTrack) -> bool:
+    """Return whether a measured angle tells how far it turned: over a whole revolution, an error of its
+    sensor is in its course.
+
+    Of a part of one, most of such an error is a change of speed. Where a speed that swings is followed it is
+    seen from two revolutions on, by what each of them does alike.
+    """
+    return track.periods >= track.pole_pairs and (track.departure is None or _shows_turns(track))
+
+
 def _shows_turns(track: PhaseTrack) -> bool:
     """Return whether there are revolutions enough to see what the angle repeats in each."""
     return track.periods >= FEWEST_TURNS * track.pole_pairs

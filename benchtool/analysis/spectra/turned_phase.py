@@ -41,11 +41,13 @@ class Turned:
 def turned_by_tone(
     spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, step: float, beside_rad: float
 ) -> Turned:
-    """Return the phase of a tone in a signal with steps of `step`, along whose own phase it was tracked;
+    """Return the phase of a tone in a signal with steps of `step`, tracked along its own phase or an angle;
     `beside_rad` is what a line beside it leaves open."""
     beside = Contribution("a line beside the fundamental", "B", beside_rad)
-    if track.departure is not None or (seen.excess_rad > 0.0 and len(seen.phase_rad) >= FEWEST):
-        # what is too little to be followed for the amplitudes, but no noise, is in the phase of both ends
+    moves = track.measured_rad is not None or seen.excess_rad > 0.0
+    if track.departure is not None or (moves and len(seen.phase_rad) >= FEWEST):
+        # in the phase of both ends is what is too little to be followed for the amplitudes, but no noise, and
+        # what the sensor of an angle makes of a track along that
         what = "noise of the phases of periods"
         if track.departure is not None:
             what = "what is left of the followed phase"

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis import Measurement, current_spectrum, track_angle
 from benchtool.analysis.spectra.course import FEWEST, change_over_record, repeated_in_turns
 from benchtool.block import Block
 
@@ -114,3 +114,38 @@ def test_digits_of_an_angle_are_counts_with_its_jumps_or_without() -> None:
     assert frequency.uncertainty is not None
     assert 1e-7 < frequency.uncertainty.standard < 1e-4
     assert abs(frequency.value - 17.8333) < 3.0 * frequency.uncertainty.standard
+
+
+def _of_part_of_turn(
+    revolutions: float, pole_pairs: int, of_sensor_rad: float, phase_rad: float
+) -> Measurement:
+    """Return the frequency along an angle with an error once in a revolution."""
+    time_s = np.arange(round(0.3 * RATE_HZ)) / RATE_HZ
+    theta_m = 2 * np.pi * revolutions * time_s / 0.3
+    angle = theta_m + of_sensor_rad * np.sin(theta_m + phase_rad)
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(len(theta_m))
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=np.cos(pole_pairs * theta_m) + noise)
+    return current_spectrum(block, "i_a", track_angle(angle, pole_pairs)).measurements[0]
+
+
+@pytest.mark.parametrize("of_sensor_rad", [0.0, 5e-3])
+@pytest.mark.parametrize("phase_rad", [-1.0, 0.5])
+@pytest.mark.parametrize("pole_pairs", [18, 24])
+def test_of_a_part_of_a_revolution_the_frequency_is_that_of_the_current(
+    pole_pairs: int, phase_rad: float, of_sensor_rad: float
+) -> None:
+    """Within a third of a turn an error once in a turn is nearly a change of the speed."""
+    frequency = _of_part_of_turn(0.35, pole_pairs, of_sensor_rad, phase_rad)
+    assert frequency.uncertainty is not None
+    assert 1e-6 < frequency.uncertainty.standard / frequency.value < 1e-4
+    assert abs(frequency.value - 0.35 * pole_pairs / 0.3) < 3.0 * frequency.uncertainty.standard
+    assert "of the signal; the angle alone gives" in frequency.definition
+
+
+def test_of_a_part_of_a_revolution_and_few_periods_there_is_no_frequency() -> None:
+    frequency = _of_part_of_turn(0.35, 12, 5e-3, 0.5)
+    assert math.isnan(frequency.value)
+    assert "does not show within 0.35 revolutions" in frequency.reason
+    whole = _of_part_of_turn(1.05, 4, 0.0, 0.5)
+    assert whole.uncertainty is not None
+    assert "of the signal" not in whole.definition
