@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
-from benchmarks.coverage.noise import coloured, converted
+from benchmarks.coverage.noise import Kind as OfNoise, coloured, converted, noise_of
 from benchtool.analysis import (
     Measurement,
     current_spectrum,
@@ -55,6 +55,8 @@ class Flux:
     centre: float = 0.01
     noise: float = 1e-3
     colour: float = 0.0
+    kind: OfNoise = "white"
+    ramp: float = 0.0  # of the radius, relative, over the record
     drift: float = 0.0
     breathing: tuple[float, float] = (0.0, 0.0)  # rms of the radius over revolutions, and its memory
     bits: int = 0
@@ -91,10 +93,11 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
         revolution = np.floor((angle - angle.min()) / (2 * np.pi)).astype(np.int64)
         psi *= 1.0 + rms * coloured(random.standard_normal(int(revolution.max()) + 1), memory)[revolution]
     psi *= np.where(time < 0.5, 1.0, what.second_regime)
+    psi *= 1.0 + what.ramp * (time - 0.5)
     order, size = what.line
     if size:
         psi += size * np.exp(2j * np.pi * (order * what.revolutions * time + random.uniform()))
-    parts = [coloured(random.standard_normal(count), what.colour) for _ in range(2)]
+    parts = [coloured(noise_of(what.kind, random, count), what.colour) for _ in range(2)]
     psi = RADIUS_WB * (psi + what.noise * (parts[0] + 1j * parts[1]))
     if what.backwards:
         psi = np.conj(psi)
@@ -109,7 +112,7 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     mean = float(np.mean(radius)) + 0.5 * what.noise**2
     variance = float(np.var(radius)) + what.noise**2 + (rms * float(np.mean(radius))) ** 2
     mean += 0.25 * what.line[1] ** 2
-    variance += 0.5 * what.line[1] ** 2
+    variance += 0.5 * what.line[1] ** 2 + (what.ramp * mean) ** 2 / 12.0
     truths = {
         "flux_radius_mean": RADIUS_WB * mean * 0.5 * (1.0 + what.second_regime),
         "flux_radius_rms": RADIUS_WB * math.sqrt(variance),
@@ -329,6 +332,10 @@ KINDS: Mapping[str, Kind] = {
     "flux_circle": replace(_FLUX, hexagon=(0.0, 0.0), centre=0.0, noise=3e-3),
     "flux_coloured": replace(_FLUX, colour=0.97, noise=3e-3),
     "flux_few_revolutions": replace(_FLUX, revolutions=4.6, noise=3e-3),
+    "flux_three_revolutions": replace(_FLUX, revolutions=3.4, noise=3e-3),
+    "flux_three_revolutions_ramp": replace(_FLUX, revolutions=3.6, ramp=0.03, frequency_Hz=41.3),
+    "flux_few_pink": replace(_FLUX, revolutions=4.4, kind="pink", noise=3e-3),
+    "flux_nine_pink": replace(_FLUX, revolutions=9.3, kind="pink", noise=3e-3),
     "flux_offset": replace(_FLUX, centre=0.1),
     "flux_drift": replace(_FLUX, drift=0.03),
     "flux_breathing": replace(_FLUX, breathing=(0.01, 0.0), revolutions=80.4),

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
 from benchtool.analysis.statistics.scatter import (
     MeanError,
@@ -22,20 +23,23 @@ FINE: Final = 1e-5
 _SLOW_SHARE = 0.03  # of a mean square, that the radius of whole revolutions makes up
 _BY_CHANCE = 1.0  # standard deviation of a correlation: one that is taken for chance leaves far too little
 _CLEARLY = 3.0  # standard deviations of a correlation
+_DIFFER = 0.05  # by chance, of two variances
 _FEWEST_VALUES = 10.0  # that do not depend on each other, of which an rms says something
 
 
-def growth_within(circle: NDArray[np.complex128]) -> tuple[complex, float]:
-    """Return by how much order 1, shape (revolutions,), grows in each revolution on average, and how far that
-    is unknown: of too few revolutions to tell a trend from chance, all that it may be."""
+def growth_within(circle: NDArray[np.complex128]) -> tuple[complex, complex]:
+    """Return by how much order 1, shape (revolutions,), grows in each revolution on average, and the standard
+    uncertainty of that along it. Of too few revolutions to tell a trend from chance both are half of what it
+    seems to grow: it is as likely all of that as nothing."""
     count, size = len(circle), np.abs(circle)
     middle = complex(np.mean(circle))
     trend = amplitude_trend(size)
     if trend is not None:
-        return middle * trend.growth / count, 0.0
+        return middle * trend.growth / count, 0j
     if count >= FEWEST_PERIODS or count < 2:
-        return 0j, 0.0
-    return 0j, abs(float(size[-1] - size[0])) / (count - 1)
+        return 0j, 0j
+    half = 0.5 * (size[-1] - size[0]) / (count - 1) * middle / abs(middle)
+    return half, half
 
 
 def error_of_mean(
@@ -94,13 +98,37 @@ def error_of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: fl
     return (slow if slow.standard > by_squares.standard else by_squares), ""
 
 
-def length_of_mean(points: NDArray[np.complex128], after: float) -> tuple[float, float, MeanError]:
-    """Return distance of the mean of points from zero, the share of it that their scatter explains, and the
-    error of the mean along its direction."""
+def length_of_mean(
+    points: NDArray[np.complex128], after: float, samples: NDArray[np.complex128] | None = None
+) -> tuple[float, float, MeanError]:
+    """Return distance of the mean of points, shape (revolutions,), from zero, the share of it that their
+    scatter explains, and the error of the mean along its direction. Where the points are the means of
+    `samples`, shape (n,), the density of these tells it too."""
     mean = complex(np.mean(points))
     length = abs(mean)
-    turned = points * (np.conj(mean) / length if length else 1.0)
-    along, across = error_of_mean(turned.real, after), error_of_periods(turned.imag)
+    towards = np.conj(mean) / length if length else 1.0
+    turned, parts = points * towards, None if samples is None else samples * towards
+    along = error_of_mean(turned.real, after, None if parts is None else parts.real)
+    across = error_of_periods(turned.imag)
+    if parts is not None:
+        across = _by_density(parts.imag, across, len(points))
+    along, across = _pooled(along, across), _pooled(across, along)
     variance = along.standard**2 + across.standard**2
     left = length**2 - variance if math.isfinite(variance) else length**2
     return length, length - math.sqrt(max(0.0, left)), along
+
+
+def _pooled(one: MeanError, other: MeanError) -> MeanError:
+    """Return the error of one component of a vector, by both where they differ by no more than chance: noise
+    has no direction, and the scatter of few revolutions hardly tells it."""
+    if not (one.standard > 0.0 and other.standard > 0.0 and math.isfinite(one.dof + other.dof)):
+        return one
+    own2, other2 = ((each.standard / students_deviation(each.dof)) ** 2 for each in (one, other))
+    if (
+        min(fisher_above(one.dof, other.dof, own2 / other2), fisher_above(other.dof, one.dof, other2 / own2))
+        < _DIFFER
+    ):
+        return one
+    dof = one.dof + other.dof
+    square = (one.dof * own2 + other.dof * other2) / dof
+    return MeanError(math.sqrt(square) * students_deviation(dof), dof, one.is_continued)

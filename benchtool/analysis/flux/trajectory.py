@@ -24,6 +24,7 @@ from benchtool.analysis.flux.step_errors import StepErrors
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
+from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS
 from benchtool.analysis.statistics.between_samples import BETWEEN, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.regimes import change_of_regime
@@ -133,6 +134,45 @@ class _Revolutions:
         step = max(resolution(self.psi.real), resolution(self.psi.imag))
         return step if step > FINE * float(np.mean(self.radius)) else 0.0
 
+    @property
+    def are_few(self) -> bool:
+        """Whether the scatter of the revolutions tells less than the density of what is within them."""
+        return len(self.parts) < FEWEST_PERIODS
+
+    @cached_property
+    def circle(self) -> NDArray[np.complex128]:
+        """The path that order 1 alone would take, of radius 1, shape (m,)."""
+        return np.asarray(np.exp(1j * (2.0 * np.pi * self.turns + self.begin_rad)))
+
+    def without_growth(self, growth: complex) -> NDArray[np.complex128]:
+        """Return the orders, shape (revolutions, orders), without what a `growth` of order 1 in each
+        revolution adds to the others: over 2 pi to the centre, and a sixth of that to orders -5 and 7."""
+        found, rows = self.orders.copy(), len(self.path) / len(self.parts)
+        for column, order in enumerate(ORDERS):
+            if order != 1:
+                turned = np.exp(1j * (1 - order) * self.begin_rad)
+                found[:, column] -= growth * turned / (rows * (np.exp(2j * np.pi * (1 - order) / rows) - 1.0))
+        return found
+
+    def without(self, *orders: int) -> NDArray[np.complex128]:
+        """Return the path without order 1, as it is in each revolution, and without the means of other
+        orders, shape (m,)."""
+        means = dict(zip(ORDERS, np.mean(self.orders, axis=0), strict=True))
+        first = np.interp(self.turns, np.arange(len(self.parts)) + 0.5, self.orders[:, 1])
+        rest = self.path - first * self.circle
+        return np.asarray(rest - sum(means[each] * self.circle**each for each in orders))
+
+    @property
+    def of_centre(self) -> NDArray[np.complex128]:
+        """Values, shape (m,), whose mean is the centre."""
+        return self.without(-5, 7)
+
+    @property
+    def of_sixth(self) -> NDArray[np.complex128]:
+        """Values, shape (m,), whose mean is order 6 of the radius along a revolution."""
+        rest = self.without(0) * np.conj(self.circle) * np.exp(-1j * np.angle(np.mean(self.orders[:, 1])))
+        return np.asarray((rest + np.conj(rest)) * np.conj(self.circle) ** 6)
+
     @cached_property
     def steps(self) -> StepErrors:
         """What that does alike in every revolution."""
@@ -212,34 +252,45 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
 
 def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
     """Yield the distance of the centre from zero, and order 6 of the radius."""
-    # a radius that grows by d within a revolution reads d / 2 pi as a centre, and a sixth of that as order 7
     growth, of_growth = growth_within(flux.orders[:, 1])
-    found, rows = flux.orders.copy(), len(flux.path) / len(flux.parts)
-    for column, order in enumerate(ORDERS):
-        if order != 1:
-            turned = np.exp(1j * (1 - order) * flux.begin_rad)
-            found[:, column] -= growth * turned / (rows * (np.exp(2j * np.pi * (1 - order) / rows) - 1.0))
-    centre = found[:, 0]
-    of_ramp = Contribution("growth of the radius within a revolution", "B", of_growth / (2.0 * np.pi))
+    found, other = flux.without_growth(growth), flux.without_growth(growth + of_growth)
+    centre, apart = found[:, 0], other[:, 0] - found[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    length, bias, along = length_of_mean(centre, flux.after)
+    length, bias, along = length_of_mean(centre, flux.after, flux.of_centre if flux.are_few else None)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
     of_steps = Contribution("resolution", "B", flux.steps.of_centre(complex(np.mean(centre))))
-    yield flux.number("flux_centre_offset", text, length, along, by_scatter, of_ramp, of_steps)
+    yield flux.number("flux_centre_offset", text, length, along, by_scatter, _grows(centre, apart), of_steps)
 
-    # |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order
-    sixth = (found[:, 1] * np.conj(found[:, 2]) + np.conj(found[:, 1]) * found[:, 3]) / np.abs(found[:, 1])
-    # where the speed swings it turns with six times the phase of order 1
-    sixth *= np.exp(-6j * np.angle(found[:, 1]))
+    sixth, apart = _sixth(found), _sixth(other) - _sixth(found)
     text = (
         "peak amplitude of order 6 of the radius along a revolution, the mean of all, from orders -5 and 7 "
         "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
         "evenly"
     )
-    length, bias, along = length_of_mean(sixth, flux.after)
+    length, bias, along = length_of_mean(sixth, flux.after, flux.of_sixth if flux.are_few else None)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
     of_two = Contribution("resolution", "B", flux.steps.of_sixth)
-    yield flux.number("flux_radius_order_6", text, length, along, by_scatter, of_two)
+    yield flux.number("flux_radius_order_6", text, length, along, by_scatter, _grows(sixth, apart), of_two)
+
+
+def _sixth(orders: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return order 6 of the radius along each revolution, shape (revolutions,), by its `ORDERS`.
+
+    |c_1 e^jx + c_-5 e^-5jx + c_7 e^7jx| is |c_1| + Re((c_1 c_-5* + c_1* c_7) e^6jx) / |c_1| to first order.
+    """
+    _, first, fifth, seventh = orders.T
+    sixth = (first * np.conj(fifth) + np.conj(first) * seventh) / np.abs(first)
+    # where the speed swings it turns with six times the phase of order 1
+    return np.asarray(sixth * np.exp(-6j * np.angle(first)))
+
+
+def _grows(points: NDArray[np.complex128], apart: NDArray[np.complex128]) -> Contribution:
+    """Return what a growth of the radius may add to the length of the mean of points, which are then `apart`
+    from where they are, both of shape (revolutions,)."""
+    mean = complex(np.mean(points))
+    towards = np.conj(mean) / abs(mean) if mean else 1.0
+    moved = abs(float(np.real(towards * np.mean(apart))))
+    return Contribution("growth of the radius within a revolution", "B", moved)
 
 
 def _measure_trajectory(window: Window, _: NoSettings) -> Findings:

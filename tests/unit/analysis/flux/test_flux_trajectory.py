@@ -173,3 +173,32 @@ def test_a_line_that_revolutions_cut_moves_their_means_and_not_the_mean_of_all()
         assert found.uncertainty is not None
         error.append((found.value - 1.0) / found.uncertainty.standard)
     assert 0.45 < np.std(error) < 1.2
+
+
+@pytest.mark.parametrize("begin_rad", np.linspace(0.0, 2.0, 5))
+def test_a_ramp_of_few_revolutions_is_half_in_order_6_and_half_in_its_uncertainty(begin_rad: float) -> None:
+    ramp = 1.0 + 0.003 * (np.arange(ROWS) / ROWS - 0.5)
+    turned = _turns(3.6) + begin_rad
+    found = _all(0.17 * (ramp * np.exp(1j * turned) + 0.02 * np.exp(-5j * turned)) + _noise(3, 1e-5))
+    _holds(found["flux_radius_order_6"], 0.17 * 0.02)
+
+
+def _pink(seed: int) -> NDArray[np.complex128]:
+    """Return noise of unit rms in each coordinate whose density is that of 1/f noise, shape (rows,)."""
+    random = np.random.default_rng(seed)
+    size = 1.0 / np.sqrt(np.arange(1, 8 * ROWS + 1))  # a record is a sixteenth: it goes on below its lowest
+    white = random.standard_normal((2, len(size))) + 1j * random.standard_normal((2, len(size)))
+    parts = np.fft.irfft(np.hstack([np.zeros((2, 1)), size * white]), 16 * ROWS)[:, :ROWS]
+    return np.asarray((parts[0] + 1j * parts[1]) / np.std(parts))
+
+
+def test_pink_noise_of_few_revolutions_is_in_the_centre() -> None:
+    """Its density within the revolutions tells what so few of these do not."""
+    errors = []
+    for seed in range(60):
+        path = np.exp(1j * _turns(9.3)) + 0.01
+        found = _all(0.17 * (path + 3e-3 * _pink(seed)))["flux_centre_offset"]
+        if found.uncertainty is not None:
+            errors.append((found.value - 0.17 * 0.01) / found.uncertainty.standard)
+    assert len(errors) > 40
+    assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
