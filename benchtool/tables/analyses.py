@@ -38,6 +38,7 @@ from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES
 from benchtool.tables.periods import Periods
 from benchtool.tables.record import Record
+from benchtool.tables.stale_rows import often_stale
 
 _MEASURED = ("torque", "current", "speed")
 _AC_NUMBERS = (
@@ -202,7 +203,7 @@ def _held(record: Record, what: str) -> str:
     """Return that a signal was sampled less often than it is listed, which makes its lines smaller and adds
     others; empty if it was not."""
     if (held := held_rows(record.column(what))) == 1.0:
-        return ""
+        return often_stale(record.column(what), record.stale)
     rate_Hz = record.base.rate_Hz
     return (
         f"each value is held for {held:.3g} rows, the {'current' if what in PHASES else what} was sampled at "

@@ -12,6 +12,10 @@ Floats = NDArray[np.float64]
 _BY_CHANCE = 0.05  # probability that one row is equal, from which it is taken for stale
 _CLEARLY = 4.0  # standard deviations of the number that is equal by chance
 _LARGEST_SHARE, _LONGEST = 0.25, 16  # of the rows; rows in a row
+_LEAST_SHARE = (
+    5e-3  # of the rows, of one column: a slip that makes its lines no smaller than they are uncertain
+)
+_EVEN_SHARE, _FEWEST_EVEN = 0.9, 8  # of distances between repeats, by chance two in five; so many distances
 
 
 def repeating_rows(values: Floats) -> NDArray[np.bool_]:
@@ -21,7 +25,8 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     All columns are equal to those of the row before, while they move on either side of it. Of a column that
     moves by m of its least steps from row to row neighbours are equal by chance in one row of about m: rows
     are repeated where that is improbable for all columns together, and there are more of them than by chance.
-    At rest, or where a converter is coarse, none is.
+    At rest, or where a converter is coarse, none is; the greatest and the least value, to which a column may
+    be clipped, repeat by no chance.
     """
     moves = np.abs(np.diff(values, axis=0))
     stale = np.zeros(len(values), dtype=np.bool_)
@@ -39,7 +44,9 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     chance = np.ones(len(moves))
     for column, move in zip(values.T, moves.T, strict=True):
         step, usual = resolution(column), 0.5 * (move[inside[0]] + move[inside[1]])
-        chance *= np.minimum(1.0, np.divide(step, usual, out=np.ones(len(moves)), where=usual > step))
+        inner = (column[1:] > np.min(column)) & (column[1:] < np.max(column))
+        moved = inner & (usual > step)
+        chance *= np.divide(step, usual, out=np.ones(len(moves)), where=moved)
     unlikely = chance < _BY_CHANCE
     expected = float(np.sum(chance[unlikely]))
     found = unlikely & same
@@ -67,4 +74,30 @@ def too_stale(stale: NDArray[np.bool_]) -> str:
             f"{100 * share:.2g} % of the rows repeat all values of the row before, at most "
             f"{100 * _LARGEST_SHARE:g} % may be left out: export each row once, with its time"
         )
+    if _are_even(stale):
+        return (
+            f"a row in every {1.0 / share:.3g} repeats all values of the row before: they were sampled less "
+            "often than listed, and are late by other parts of a row: export each once, with its time"
+        )
     return ""
+
+
+def often_stale(column: Floats, stale: NDArray[np.bool_]) -> str:
+    """Return that a column, shape (n,), repeats its own value where no whole row is `stale`; empty if it does
+    hardly more often than by chance."""
+    share = float(np.mean(stale_rows(repeating_rows(column[:, np.newaxis])) & ~stale))
+    if share < _LEAST_SHARE:
+        return ""
+    return (
+        f"{100 * share:.2g} % of its values repeat the one before, though it moves on either side: it was "
+        "sampled less often than the rows are listed, or read late: export each value once, with its time"
+    )
+
+
+def _are_even(stale: NDArray[np.bool_]) -> bool:
+    """Return whether stale rows are about evenly apart, as those of a lower rate are, and chance leaves none
+    to be."""
+    apart = np.diff(np.flatnonzero(stale))
+    if len(apart) < _FEWEST_EVEN:
+        return False
+    return float(np.mean(np.abs(apart - np.median(apart)) <= 1.0)) > _EVEN_SHARE

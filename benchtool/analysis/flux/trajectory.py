@@ -136,7 +136,7 @@ class _Revolutions:
 
     @property
     def are_few(self) -> bool:
-        """Whether the scatter of the revolutions tells less than the density of what is within them."""
+        """Whether the scatter of the revolutions tells less than the density within them."""
         return len(self.parts) < FEWEST_PERIODS
 
     @cached_property

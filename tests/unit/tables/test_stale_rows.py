@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement
 from benchtool.tables import TableQuestion, analyze_table
-from benchtool.tables.stale_rows import repeating_rows, stale_rows, too_stale
+from benchtool.tables.stale_rows import often_stale, repeating_rows, stale_rows, too_stale
 
 Array = NDArray[np.float64]
 ROWS = 4_000
@@ -46,6 +46,30 @@ def test_rows_that_are_equal_by_a_coarse_converter_or_at_rest_are_not() -> None:
     sine = np.cos(TURN * 0.003 * row)
     for values in (np.round(40.0 * sine), np.round(3e4 * np.where(row < 2_000, sine, 1.0)), np.ones(ROWS)):
         assert not np.any(repeating_rows(np.column_stack([values, 3.0 * np.ones(ROWS)])))
+
+
+def test_crests_that_are_clipped_repeat_by_no_chance() -> None:
+    clipped = np.clip(signals()[:, :1], -4.9, 4.9)
+    assert np.count_nonzero(np.diff(clipped[:, 0]) == 0.0) > 200
+    assert not np.any(repeating_rows(clipped))
+
+
+@pytest.mark.parametrize("rate", [0.4, 0.8])
+def test_rows_at_an_even_lower_rate_are_not_continued(rate: float) -> None:
+    """Those that do not repeat are late by a part of a row."""
+    taken = np.floor(np.arange(ROWS) * rate).astype(np.int64)
+    stale = stale_rows(repeating_rows(signals()[taken]))
+    assert "sampled less often" in too_stale(stale) or "60 %" in too_stale(stale)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.35])
+def test_a_column_that_repeats_alone_is_named(share: float) -> None:
+    values = signals()
+    none = np.zeros(ROWS, dtype=np.bool_)
+    assert "sampled less often" in often_stale(held(values, some(share))[:, 0], none)
+    assert often_stale(values[:, 0], none) == ""
+    rounded = np.round(values[:, 0] / 0.2) * 0.2
+    assert often_stale(rounded, none) == ""
 
 
 def test_what_is_between_many_is_not_told() -> None:
