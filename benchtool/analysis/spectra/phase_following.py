@@ -189,7 +189,9 @@ def follow(
     by_tone = _followed(samples, sample_rate_Hz, found, name)
     if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
         # the angle has errors of its own, which may be faster than the phase of a period shows
-        by_tone = _followed(samples, sample_rate_Hz, smooth, name).if_clearly_better_than(by_tone)
+        by_tone = min(
+            by_tone, _followed(samples, sample_rate_Hz, smooth, name), key=lambda each: each.off_line
+        )
     doubt = np.empty(0)
     if angle.within is not None:  # by what both have in common, such as a slip
         by_angle = _followed(samples, sample_rate_Hz, along(angle.within), name)
