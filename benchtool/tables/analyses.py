@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TypeVar
 
@@ -142,9 +142,9 @@ def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
         yield from _ripple(record, periods, "current")
         yield from _unbalance(record, None, reason)
         return
-    yield from even.told(spectrum.measurements)
-    yield from even.told(_unbalance(even, spectrum.track, ""))
-    yield from even.told(spectrum.tables)
+    yield from _told(even, spectrum.measurements)
+    yield from _told(even, _unbalance(even, spectrum.track, ""))
+    yield from _told(even, spectrum.tables)
 
 
 def _even(record: Record) -> Record:
@@ -226,8 +226,8 @@ def _lines(record: Record, what: str) -> Iterator[Measurement | Table]:
         return
     assert restored.uniform is not None  # as that of the record
     lines = spectral_lines(restored.uniform, channel.name, what, rate_relative=record.rate_relative or 0.0)
-    yield from restored.told(lines.measurements)
-    yield from restored.told(lines.tables)
+    yield from _told(restored, lines.measurements)
+    yield from _told(restored, lines.tables)
 
 
 def _orders(record: Record, what: str) -> Iterator[Measurement | Table]:
@@ -257,8 +257,11 @@ def _found_orders(record: Record, what: str) -> Orders:
         stated = describe_orders(
             orders_at_speed(even.uniform, channel, omega_m_rad_s), what, pole_pairs, slots
         )
-        told = tuple(even.told(stated.measurements)), tuple(even.told(stated.tables))
-        return replace(stated, measurements=told[0], tables=told[1])
+        return replace(
+            stated,
+            measurements=tuple(_told(even, stated.measurements)),
+            tables=tuple(_told(even, stated.tables)),
+        )
     angle = record.channels["angle"].name
     block = record.read  # values and angles of stale rows are late by the same, and their times are not
     if block is not None:
@@ -267,6 +270,17 @@ def _found_orders(record: Record, what: str) -> Orders:
     # stamps that are uneven do not tell a wobble from their own jitter
     spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis)
     return describe_orders(spectrum, what, pole_pairs, slots)
+
+
+def _told(record: Record, numbers: Iterable[_Result]) -> Iterator[_Result]:
+    """Yield numbers of the rows, whose definitions say that some were stale."""
+    for each in numbers:
+        if record.restored_rows:
+            rows = count_of(record.restored_rows, "row that repeats", "rows that repeat")
+            text = f"{each.definition}; {rows} the one before left out, and continued from the others"
+            yield replace(each, definition=text)
+        else:
+            yield each
 
 
 def _without_gaps(number: _Result) -> _Result:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, Measurement, Table, continued, count_of, require_signal
+from benchtool.analysis import Basis, continued, count_of, require_signal
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
@@ -22,9 +21,6 @@ from benchtool.tables.stale_rows import repeating_rows, stale_rows, too_stale
 from benchtool.tables.time_base import TimeBase, time_base
 
 _LEAST_STRETCH = 0.25  # of the rows: mean and ripple of a shorter one do not stand for the record
-
-
-_Result = TypeVar("_Result", Measurement, Table)
 
 
 @dataclass(frozen=True)
@@ -117,16 +113,6 @@ class Record:
             else:
                 data[:, column] = continued(data[:, column], self.stale)
         return replace(self, data=data, restored_rows=int(np.count_nonzero(self.stale)))
-
-    def told(self, numbers: Iterable[_Result]) -> Iterator[_Result]:
-        """Yield numbers of the rows, whose definitions say that some were stale."""
-        for each in numbers:
-            if self.restored_rows:
-                rows = count_of(self.restored_rows, "row that repeats", "rows that repeat")
-                text = f"{each.definition}; {rows} the one before left out, and continued from the others"
-                yield replace(each, definition=text)
-            else:
-                yield each
 
     @property
     def read(self) -> Block | None:
