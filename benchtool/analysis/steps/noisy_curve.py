@@ -124,7 +124,9 @@ class NoisyCurve:
 
     def against(self, sign: float, reference: Floats | float = 0.0) -> NoisyCurve:
         """Return the curve, and what noise makes of it, less a reference, shape (n,), times a sign."""
-        return replace(self, values=sign * (self.values - reference), errors=sign * self.errors)
+        longer = None if self.longer is None else sign * (self.longer - reference)
+        values = sign * (self.values - reference)
+        return replace(self, values=values, errors=sign * self.errors, longer=longer)
 
     def beyond(self, level: float) -> NoisyCurve:
         """Return the curve less the `level` that the samples before it had, with what noise makes of the

@@ -42,6 +42,7 @@ _ARRIVED = HELD  # of the step: tolerance of reaching it, and the least settling
 _AT_REST = 2.0  # times the settling time, at least
 _LONGER = 2.0  # times the samples whose mean is the final value
 _EXTREME = 4.0  # standard uncertainties of an overshoot that has a peak time
+_SHOWN = 2.0  # likewise, of a peak that noise hardly makes
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
 _FEWEST_SAMPLES = 20  # whose scatter says something
@@ -94,14 +95,14 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
 def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
     """Return the row from which on a signal that has `settled` within a `band` is at rest.
 
-    After m times as long an exponential decay has left the m-th power of the 2 % that it had: so many that
-    this is little against the noise, which it would be taken for. Of several the slowest is left, and decays
-    as fast as it leaves the outer half of the band.
+    After m times as long since the step, or since a pulse fell, an exponential decay has left the m-th power
+    of the 2 % that it had: so many that this is little against the noise, which it would be taken for. Of
+    several the slowest is left, and decays as fast as it leaves the outer half of the band.
     """
     times = _AT_REST
     if (noise := LITTLE * step.y_noise.rms) > 0.0:
         times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
-    begin = math.ceil(times * settled.place)
+    begin = math.ceil(step.fall + times * max(0.0, settled.place - step.fall))
     away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
     later = end_of_tail(away, band, step.y_noise.rms)
     return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
@@ -268,8 +269,12 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
     if arrived is None:
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
-    lowest, standard = curve.least_after_greatest()
-    short, standard = _at_least_zero(step, step.final - lowest, math.hypot(standard, step.final_error))
+    lowest, of_curve = curve.least_after_greatest()
+    if step.final - lowest > _SHOWN * math.hypot(of_curve, step.final_error):
+        raised, _ = curve.since(int(np.argmax(curve.values))).against(-1.0).blunted()
+        lowest, of_curve = lowest - _BLUNTED * raised, math.hypot(of_curve, _OF_BLUNTED * raised)
+    error = math.hypot(of_curve, step.final_error)
+    short, standard = _at_least_zero(step, step.final - lowest, error)
     yield step.number(name, text, short, Uncertainty(standard, source))
 
 

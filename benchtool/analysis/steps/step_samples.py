@@ -69,8 +69,8 @@ def tracking_numbers(
         return
     error = step.sign * (step.y - step.r)
     course = curve.against(step.sign, step.r)
-    fall = step.leaves if step.leaves < len(step.r) else 0  # of a pulse, and no time since its rise counts
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, fall)
+    # of a pulse no time since its rise counts
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, step.fall)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"

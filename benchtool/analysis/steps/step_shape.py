@@ -109,6 +109,11 @@ class Step:
         return self.holds + int(left[0]) if len(left) else len(self.r)
 
     @property
+    def fall(self) -> int:
+        """Row in which a pulse falls; 0 of a step, which has no fall."""
+        return self.leaves if self.leaves < len(self.r) else 0
+
+    @property
     def _near_greatest(self) -> NDArray[np.bool_]:
         return self.r >= self.greatest - HELD * self.height
 

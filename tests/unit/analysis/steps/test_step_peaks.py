@@ -164,3 +164,20 @@ def test_what_follows_a_crest_is_uncertain_by_which_crest_is_the_greatest() -> N
         found, standard = NoisyCurve(course + noise[0], noise[1:]).least_after_greatest()
         missed.append((found - float(np.min(course))) / standard)
     assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.4
+
+
+def test_a_trough_is_as_deep_as_without_the_windows_that_cut_it_off() -> None:
+    random = np.random.default_rng(7)
+    row = np.arange(1200.0) - BEFORE
+    peak, trough = np.exp(-(((row - 70.0) / 18.0) ** 2)), np.maximum(0.0, 1.0 - np.abs(row - 140.0) / 18.0)
+    y = np.clip(row / 30.0, 0.0, 1.0) + 0.3 * peak - 0.2 * trough
+    found = [_measured(y + 0.02 * random.standard_normal(len(y)))["undershoot"] for _ in range(12)]
+    assert np.sqrt(np.mean([_relative(each, 0.2) ** 2 for each in found])) < 1.4
+
+
+def test_windows_do_to_a_trough_what_they_do_to_a_peak() -> None:
+    at = np.arange(61.0) - 30.0
+    sharp, blunt = np.exp(-((at / 9.0) ** 2)), 0.9 * np.exp(-((at / 10.0) ** 2))
+    lower, later = NoisyCurve(-sharp, np.empty((0, 61)), longer=-blunt).against(-1.0).blunted()
+    assert lower == pytest.approx(0.1)
+    assert later == pytest.approx(0.0)

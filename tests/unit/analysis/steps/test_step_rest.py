@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import signal
 
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
@@ -126,3 +127,20 @@ def test_the_greatest_error_of_an_answer_in_hum_is_not_that_of_its_first_sample(
         greatest = found["tracking_error_max"]
         assert greatest.uncertainty is not None
         assert abs(greatest.value - truth) < 2.0 * greatest.uncertainty.standard
+
+
+def test_rest_after_a_pulse_is_counted_from_its_fall() -> None:
+    """Noise with a memory of a tenth of the samples before it, which alone might be taken for a walk."""
+    row = np.arange(2250.0) - BEFORE
+    course = _lag(2250, 80.0) - np.pad(_lag(1250, 80.0), (1000, 0))
+    reference = np.where((row >= 0.0) & (row < 1000.0), 1.0, 0.0)
+    random = np.random.default_rng(1)
+    answered = 0
+    for _ in range(12):
+        noise = signal.lfilter([1.0], [1.0, -0.95], random.standard_normal(len(row) + 200))[200:]
+        y = course + 0.02 * np.sqrt(1.0 - 0.95**2) * noise
+        block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=y, r=reference)
+        assert find_step(block, "y", "r", held=True).fall == 1000
+        found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+        answered += found["rise_time"].uncertainty is not None
+    assert answered >= 11
