@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import optimize
 
 from benchmarks.coverage.families import families_of, selected
 from benchmarks.coverage.noise import converted
@@ -138,7 +139,7 @@ def _truths(
     y, row_s = what.course(fine), slower / _RATE_HZ
     outside = np.flatnonzero(np.abs(y - 1.0) > band)
     top = int(np.argmax(y))
-    over = float(y[top]) - 1.0
+    peak, over = _peak(what, fine[max(0, top - 1) : top + 2], fine[top])
     times = {
         "step_latency": _passed(fine, y, _ARRIVED),
         "rise_time": _passed(fine, y, _HIGH) - _passed(fine, y, _LOW),
@@ -149,7 +150,7 @@ def _truths(
         pair = slice(last, last + 2)
         times["settling_time"] = float(np.interp(-band, -np.abs(y[pair] - 1.0), fine[pair]))
     if over > _ROUNDING:
-        times["peak_time"] = float(fine[top])
+        times["peak_time"] = peak
     truths = {name: row_s * time for name, time in times.items()}
     truths["overshoot"] = max(0.0, over)
     truths["undershoot"] = max(0.0, 1.0 - float(np.min(y[top:])))
@@ -162,6 +163,19 @@ def _truths(
         rows = held if name.startswith("plateau") else settled
         truths[name] = float(np.mean([of(each[rows]) for each in records]))
     return {name: truth for name, truth in truths.items() if not math.isnan(truth)}
+
+
+def _peak(what: Answer, near: Floats, top: float) -> tuple[float, float]:
+    """Return when the answer is the greatest, near these instants, and how far beyond 1 it is then."""
+
+    def beyond(at: float) -> float:
+        return float(what.course(np.array([at]))[0]) - 1.0
+
+    found = optimize.minimize_scalar(
+        lambda at: -beyond(at), bounds=(near[0], near[-1]), method="bounded", options={"xatol": 1e-7}
+    )
+    place = float(max((top, float(found.x)), key=beyond))
+    return place, beyond(place)
 
 
 _OF_SAMPLES: Mapping[str, Callable[[Floats], float]] = {

@@ -32,7 +32,7 @@ from benchtool.analysis.steps.passages import (
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola
+from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola, quartic
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +46,7 @@ _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
+_EVEN = 1e-3  # rows of scatter of their times: with more they bend a curve otherwise
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 
 
@@ -216,7 +217,7 @@ class NoisyCurve:
         after = np.minimum.accumulate(self.values[::-1])[::-1]
         levels, counts = np.unique(after[tops], return_counts=True)
         begins = [int(np.max(np.extract(after[tops] == level, tops))) for level in levels]
-        turned = NoisyCurve(-self.values, -self.errors)
+        turned = NoisyCurve(-self.values, -self.errors, self.time_scatter)
         least, _ = turned.greatest(kinked=True, begin=top)
         found = np.array([turned.greatest(kinked=True, begin=begin) for begin in begins])
         square = found[:, 1] ** 2 + (found[:, 0] - least) ** 2
@@ -249,6 +250,8 @@ class NoisyCurve:
     def _vertex(self, top: int, *, kinked: bool) -> Top:
         """Return the course between samples about the greatest."""
         found = kink(self.values, top, float(self.standard[top])) if kinked else None
+        if found is None and self.time_scatter < _EVEN:
+            found = quartic(self.values, top)
         return found or parabola(self.values, top)
 
     def first_above(self, level: float | Floats) -> Instant | None:

@@ -1,4 +1,4 @@
-"""The greatest value of a curve between its samples: on a parabola, or where two straight courses meet."""
+"""The greatest value of a curve between its samples: on a polynomial, or where two straight courses meet."""
 
 from __future__ import annotations
 
@@ -15,6 +15,10 @@ _ROUNDING = 1e-9  # of a slope
 _WIDER = 1.0  # rows, as both ends are uncertain by: less tells nothing of what a level is wider by
 _SIGNIFICANT = 5.0  # standard deviations of a second difference that noise alone does not have
 _OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a sample
+_SMOOTH = 0.9  # square of the rate of a mode per row: a period in seven rows, and no kink
+_OF_OTHERS, _SPARSE = 0.25, 1.0  # of a fifth difference: by other modes; more where the rows are few
+_REACHED, _NEWTON = 0.6, 4  # rows from its greatest sample that a top may be; steps of Newton's method
+_VANDERMONDE = np.vander(np.arange(-2.0, 3.0), increasing=True)
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,41 @@ def parabola(values: Floats, top: int) -> Top:
     above = -(slope**2) / (2.0 * bend)
     doubt = above * min(1.0, uneven / abs(bend)) / math.sqrt(3.0)
     return Top(above, math.hypot(uneven / 16.0, doubt), place, min(0.5, uneven / (4.0 * abs(bend))))
+
+
+def quartic(values: Floats, top: int) -> Top | None:
+    """Return the top of the polynomial of fourth degree through the greatest of values, shape (n,), and two
+    on either side; None where these are so few for what bends there that it may as well be a kink.
+
+    Of a mode that decays or oscillates the fifth derivative follows from those before it: f5 = (f3 / f2) f4 -
+    r f3, where r = (f3 / f2)^2 - f4 / f2 is the square of its rate, as f1 is 0 at its top. By f5 the
+    polynomial is off, in proportion to x (1 - x^2) (4 - x^2) / 120 at a place x; what other modes add is in
+    proportion to f2 r^(3/2).
+    """
+    if not 1 < top < len(values) - 2:
+        return None
+    before, bend, after = np.diff(values[top - 2 : top + 3], 2).tolist()
+    if max(before, bend, after) >= 0.0:
+        return None
+    third, fourth = 0.5 * (after - before), after + before - 2.0 * bend
+    square = abs((third / bend) ** 2 - fourth / bend)
+    if square >= _SMOOTH:
+        return None
+    _, c1, c2, c3, c4 = np.linalg.solve(_VANDERMONDE, values[top - 2 : top + 3] - values[top]).tolist()
+    place = 0.0
+    for _ in range(_NEWTON):
+        slope = c1 + place * (2.0 * c2 + place * (3.0 * c3 + place * 4.0 * c4))
+        bent = 2.0 * c2 + place * (6.0 * c3 + place * 12.0 * c4)
+        if bent >= 0.0:
+            return None
+        place = min(max(place - slope / bent, -_REACHED), _REACHED)
+    if abs(place) == _REACHED:
+        return None
+    above = place * (c1 + place * (c2 + place * (c3 + place * c4)))
+    fifth = math.hypot(third / bend * fourth - square * third, _OF_OTHERS * bend * square**1.5)
+    fifth *= 1.0 + _SPARSE * square
+    error = abs(place) * (1.0 - place**2) * (4.0 - place**2) / 120.0 * fifth
+    return Top(max(0.0, above), error, place, min(0.5, math.sqrt(3.0) * 4.0 / 120.0 * fifth / -bend))
 
 
 def middle_of_level(values: Floats, first: int, last: int) -> tuple[float, float]:

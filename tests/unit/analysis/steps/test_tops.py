@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tops import kink, middle_of_level, parabola
+from benchtool.analysis.steps.tops import kink, middle_of_level, parabola, quartic
 
 
 @pytest.mark.parametrize("place", [0.1, 0.4, 0.7, 0.95])
@@ -83,3 +83,34 @@ def test_a_smooth_top_whose_flanks_bend_neither_way_is_no_kink() -> None:
         top = int(np.argmax(values))
         found = kink(values, top, 0.0) or parabola(values, top)
         assert abs(top + found.beside - peak) <= found.beside_within
+
+
+@pytest.mark.parametrize("period", [9.0, 14.0, 30.0])
+@pytest.mark.parametrize("decay", [0.4, 0.8, 2.0])
+def test_a_top_between_few_rows_of_a_mode_is_as_uncertain_as_stated(period: float, decay: float) -> None:
+    omega, rate = 2.0 * math.pi / period, 1.0 / (decay * period)
+    at_top = (math.pi - math.atan(rate / omega)) / omega
+    greatest = 1.0 - math.exp(-rate * at_top) * math.cos(omega * at_top)
+    height, place, by_parabola = [], [], []
+    for phase in np.linspace(0.02, 0.98, 25):
+        since = np.arange(math.ceil(period)) + phase
+        values = 1.0 - np.exp(-rate * since) * np.cos(omega * since)
+        top = int(np.argmax(values))
+        found = quartic(values, top)
+        if found is None:
+            continue
+        error = values[top] + found.above - greatest
+        height.append(error / found.above_error)
+        place.append((since[top] + found.beside - at_top) / found.beside_within * math.sqrt(3.0))
+        by_parabola.append(abs(error) / parabola(values, top).above_error)
+    assert len(height) > 15
+    assert 0.4 < np.sqrt(np.mean(np.square(height))) < 1.4
+    assert 0.3 < np.sqrt(np.mean(np.square(place))) < 1.4
+    assert np.median(by_parabola) < 0.15
+
+
+def test_too_few_rows_or_a_kink_have_no_top_on_a_quartic() -> None:
+    five_a_period = np.cos(2.0 * np.pi / 5.0 * (np.arange(11.0) - 5.1))
+    corner = 1.0 - 0.1 * np.abs(np.arange(11.0) - 5.2) - 0.001 * (np.arange(11.0) - 5.0) ** 2
+    for values in (five_a_period, corner):
+        assert quartic(values, 5) is None
