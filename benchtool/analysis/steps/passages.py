@@ -197,9 +197,9 @@ def _between(above: Floats, at: int) -> Crossing:
 def _off_a_cubic(six: Floats) -> float:
     """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
     its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
-    as its second difference."""
+    as its second difference. That of a mode is less by the square of its rate, and no kink at all."""
     second, fourth = (float(np.max(np.abs(np.diff(six, order)))) for order in (2, 4))
-    share = min(1.0, fourth / second) if second > 0.0 else 0.0
+    share = min(1.0, fourth / second) ** 2 if second > 0.0 else 0.0
     return fourth * (_OF_SMOOTH + share * _OF_KINK)
 
 

@@ -74,3 +74,18 @@ def test_the_last_passage_is_where_a_lobe_between_samples_ends() -> None:
 def test_values_that_are_never_outside_are_inside_from_the_first_on_and_others_never() -> None:
     assert last_passage(np.ones(8), 1.0, 0.1) == Crossing(0.0, 0.0)
     assert last_passage(np.arange(8.0), 1.0, 0.1) is None
+
+
+@pytest.mark.parametrize("period", [16.0, 26.0])
+def test_a_passage_of_a_mode_is_as_uncertain_as_the_cubic_is_off(period: float) -> None:
+    missed = []
+    for phase in np.linspace(0.02, 0.98, 33):
+        since = np.arange(2.0 * period) + phase
+        values = 1.0 - np.exp(-since / (0.5 * period)) * np.cos(2.0 * np.pi * since / period)
+        fine = np.linspace(0.1 * period, 0.3 * period, 200_001)
+        way = 1.0 - np.exp(-fine / (0.5 * period)) * np.cos(2.0 * np.pi * fine / period)
+        found = first_passage(values - 0.98, np.zeros(len(values)))
+        assert found is not None
+        truth = float(np.interp(0.98, way, fine)) - phase
+        missed.append((found.place - truth) / found.reach * np.sqrt(3.0))
+    assert 0.65 < np.sqrt(np.mean(np.square(missed))) < 1.4
