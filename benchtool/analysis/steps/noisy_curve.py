@@ -46,7 +46,7 @@ _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
-_EVEN = 1e-3  # rows of scatter of their times: with more they bend a curve otherwise
+_EVEN = 1e-3  # rows that their times scatter by: as much as rounding
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 
 
@@ -217,7 +217,7 @@ class NoisyCurve:
         after = np.minimum.accumulate(self.values[::-1])[::-1]
         levels, counts = np.unique(after[tops], return_counts=True)
         begins = [int(np.max(np.extract(after[tops] == level, tops))) for level in levels]
-        turned = NoisyCurve(-self.values, -self.errors, self.time_scatter)
+        turned = self.against(-1.0)
         least, _ = turned.greatest(kinked=True, begin=top)
         found = np.array([turned.greatest(kinked=True, begin=begin) for begin in begins])
         square = found[:, 1] ** 2 + (found[:, 0] - least) ** 2
@@ -249,8 +249,11 @@ class NoisyCurve:
 
     def _vertex(self, top: int, *, kinked: bool) -> Top:
         """Return the course between samples about the greatest."""
-        found = kink(self.values, top, float(self.standard[top])) if kinked else None
-        if found is None and self.time_scatter < _EVEN:
+        if not kinked:
+            return parabola(self.values, top)
+        found = kink(self.values, top, float(self.standard[top]))
+        # levels of a converter, and rows at other times, bend a curve otherwise than its modes
+        if found is None and self.turned is None and self.time_scatter < _EVEN:
             found = quartic(self.values, top)
         return found or parabola(self.values, top)
 
