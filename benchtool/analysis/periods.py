@@ -12,7 +12,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.quantisation.resolution import resolution, step_of_counts
+from benchtool.analysis.quantisation.resolution import resolution, step_of_counts, step_of_even_counts
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 
@@ -156,8 +156,10 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
     _require_direction(theta_e)
-    step_rad = step_of_counts(theta_e, pole_pairs * resolution(theta_m)) or step_of_counts(
-        theta_e, pole_pairs * _digit_rad(theta_m)
+    step_rad = (
+        step_of_counts(theta_e, pole_pairs * resolution(theta_m))
+        or step_of_counts(theta_e, pole_pairs * _digit_rad(theta_m))
+        or pole_pairs * step_of_even_counts(theta_e / pole_pairs)
     )
     phase, residual_rad = _fit_quadratic(theta_e)
     for _ in range(_REFITS):

@@ -11,6 +11,8 @@ _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
+_EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
+_FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
 
 
 def resolution(samples: NDArray[np.float64]) -> float:
@@ -81,3 +83,21 @@ def step_of_counts(angle_rad: NDArray[np.float64], step_rad: float) -> float:
     counts = np.round(steps)
     is_counted = np.mean(np.abs(steps - counts) < _WHOLE) > _MOST and np.ptp(counts) > 0.0
     return step_rad if is_counted else 0.0
+
+
+def step_of_even_counts(angle_rad: NDArray[np.float64]) -> float:
+    """Return the step in which an angle without jumps, shape (n,), counts where it turns the same number of
+    steps, two or more, between all samples; else 0.
+
+    The steps are those of which samples and a whole turn are multiples: of a computed angle of constant speed
+    there are none, unless it is back where it was after whole turns. One step between all samples is such an
+    angle, too.
+    """
+    few = angle_rad[:: max(1, len(angle_rad) // _LOOKED_AT)]
+    within = np.sort(np.mod(few - few[0], 2 * np.pi))
+    values = np.append(within[np.diff(within, prepend=-1.0) > _EQUAL_RAD], 2 * np.pi)
+    between = float(np.median(np.abs(np.diff(angle_rad)))) if len(angle_rad) > 1 else 0.0
+    if not between > _EQUAL_RAD or np.ptp(np.diff(angle_rad)) > _EQUAL_RAD:
+        return 0.0
+    step = step_between(values, _FEWEST_LEVELS)
+    return step if step * _FEWEST_COUNTS < between else 0.0

@@ -12,6 +12,8 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
 from benchtool.analysis.spectra.course import FEWEST_TURNS, change_over_record, repeated_in_turns
 from benchtool.analysis.spectra.phase_following import Wander
+from benchtool.analysis.spectra.spectrum import FIRST_ROW, rows_of
+from benchtool.analysis.spectra.steady_departure import steady_departure
 from benchtool.analysis.spectra.turned_phase import Turned
 from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution
@@ -21,6 +23,7 @@ _BLOCKS, _FEWEST_IN_BLOCK = 128, 3
 _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _PASSES = 2
+_BEYOND = 3.0  # standard uncertainties of the angle
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
 Floats = NDArray[np.float64]
@@ -34,9 +37,10 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
     """
     if track.measured_rad is None:
         raise ValueError("a track without a measured angle: give the phase of the tone")
-    if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
-        return counted
     smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
+    if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
+        line_rad = np.linspace(0.0, counted.phase_rad, track.samples)
+        return _with_departure(counted, track, seen, line_rad - smooth_rad)
     repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
     measured_rad = track.measured_rad - repeated_rad
     may_be_rad = float(repeated_rad[-1] - repeated_rad[0])
@@ -48,7 +52,27 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
             may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
     half_rad = _HALF * may_be_rad
     of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
-    return Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
+    turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
+    if track.departure is not None:
+        return turned
+    return _with_departure(turned, track, seen, measured_rad - smooth_rad)
+
+
+def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: Floats) -> Turned:
+    """Return the phase halfway to that of the signal where this departs from the angle steadily, by more than
+    noise and the angle's own error explain: an encoder that slips, or a current whose phase moves.
+
+    `angle_rad` is what the angle departs from the track that the signal was seen along, shape (n,).
+    """
+    periods = len(seen.phase_rad)
+    edges = FIRST_ROW + rows_of(track, periods) / periods * np.arange(periods + 1)
+    first = np.round(edges).astype(np.int64)
+    along_rad = np.add.reduceat(angle_rad[: first[-1]], first[:-1]) / np.diff(first)
+    half_rad = _HALF * track.periods * steady_departure(seen.phase_rad - along_rad, seen.amplitude)
+    if not _HALF * _BEYOND * math.hypot(*(each.standard for each in turned.budget)) < abs(half_rad):
+        return turned
+    line = Contribution("steady departure of the signal from the angle", "B", abs(half_rad))
+    return Turned(turned.phase_rad + half_rad, (*turned.budget, line), f"{turned.source}, and {line.name}")
 
 
 def tells_its_turn(track: PhaseTrack) -> bool:

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.quantisation.resolution import resolution, step_of_counts
+from benchtool.analysis.quantisation.resolution import (
+    resolution,
+    step_of_counts,
+    step_of_even_counts,
+)
 from benchtool.analysis.validity import standing
 
 SINE = np.cos(2.0 * np.pi * np.arange(20_000) / 500)
@@ -42,3 +46,19 @@ def test_an_angle_at_constant_speed_counts_in_no_steps() -> None:
     assert step_of_counts(even, resolution(even)) == 0.0
     counted = np.floor(even / 0.007) * 0.007
     assert step_of_counts(counted, resolution(counted)) == pytest.approx(0.007)
+
+
+@pytest.mark.parametrize(("counts", "a_row"), [(4096, 14), (1000, 7), (2500, 3)])
+def test_an_angle_that_turns_whole_counts_between_rows_counts_in_steps(counts: int, a_row: int) -> None:
+    """The rest of its counts shows where a turn is no multiple of what it turns between rows."""
+    step = 2 * np.pi / counts
+    angle = 0.3 + a_row * step * np.arange(500.0)
+    shared = np.gcd(counts, a_row)
+    found = step_of_even_counts(angle)
+    assert found == pytest.approx(shared * step if a_row > shared else 0.0)
+
+
+def test_a_computed_angle_counts_in_no_steps() -> None:
+    assert step_of_even_counts(0.3 + 0.0123456 * np.arange(5000.0)) == 0.0
+    assert step_of_even_counts(2 * np.pi / 200 * np.arange(5000.0)) == 0.0  # back after 200 rows
+    assert step_of_even_counts(np.cumsum(0.01 + 1e-6 * np.arange(500.0))) == 0.0
