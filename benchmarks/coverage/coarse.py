@@ -23,18 +23,23 @@ _POLE_PAIRS = 2
 @dataclass(frozen=True)
 class Coarse:
     """A torque along an angle, in steps of 0.05 Nm: orders (order, steps), each 30 % larger or smaller from
-    record to record, and noise of as many steps, from the first to the second number."""
+    record to record, noise of as many steps, and a speed, each from the first to the second number."""
 
     orders: tuple[tuple[int, float], ...] = ((6, 0.6),)
     noise: tuple[float, float] = (0.02, 0.02)
     kind: Literal["normal", "rectangular", "coloured"] = "normal"
     absent: int = 4
     revolutions: float = 60.3
+    speed_Hz: tuple[float, float] = (7.5, 7.5)
 
 
 def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    count = round(what.revolutions / 7.5 * RATE_HZ)
-    theta_m = 2 * np.pi * 7.5 / RATE_HZ * np.arange(count, dtype=np.float64) + random.uniform(0, 2 * np.pi)
+    least, most = what.speed_Hz
+    speed_Hz = least if most == least else random.uniform(least, most)
+    count = round(what.revolutions / speed_Hz * RATE_HZ)
+    theta_m = 2 * np.pi * speed_Hz / RATE_HZ * np.arange(count, dtype=np.float64) + random.uniform(
+        0, 2 * np.pi
+    )
     mean = random.uniform(0.9, 1.1)
     torque, noise = np.full(count, mean), STEP_NM * random.uniform(*what.noise)
     truths = {f"torque_order_{what.absent}": 0.0}
@@ -88,6 +93,8 @@ TORQUE: Mapping[str, Coarse] = {
     "coarse_weak_order": Coarse(orders=((12, 1.2), (2, 0.08)), noise=(0.05, 0.4)),
     "coarse_rectangular": Coarse(noise=(0.1, 0.5), kind="rectangular"),
     "coarse_coloured": Coarse(noise=(0.1, 0.5), kind="coloured"),
+    "coarse_three_orders": Coarse(((12, 0.6), (24, 0.3), (3, 0.25)), (0.01, 0.3), speed_Hz=(5.0, 15.0)),
+    "coarse_three_orders_silent": Coarse(((12, 0.6), (24, 0.3), (3, 0.25)), (0.0, 0.0), speed_Hz=(5.0, 15.0)),
     "coarse_few_turns": Coarse(orders=((6, 0.9),), noise=(0.05, 0.3), revolutions=8.4),
 }
 OUTPUTS: Mapping[str, CoarseOutput] = {

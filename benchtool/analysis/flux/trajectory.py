@@ -22,6 +22,7 @@ from benchtool.analysis.flux.radius_errors import (
 from benchtool.analysis.flux.revolutions import ORDERS, fits, forwards, revolutions_of
 from benchtool.analysis.flux.step_errors import StepErrors
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.quantisation.repeated_steps import added_power
 from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS
@@ -236,9 +237,10 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
     yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
     name, text = "flux_radius_rms", "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
+    if step:
+        rms = math.sqrt(max(0.0, rms**2 - added_power(step)))
+        text = f"{text}, less what steps of {step:.3g} Wb add"
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
-    # steps add a twelfth of their square to the mean square
-    added = Contribution("power that the steps add", "B", scale * step**2 / 12.0)
     of_rms, untold = error_of_slow_rms(
         flux.means, error_of_root(flux.means_of((radius - mean) ** 2), rms), rms
     )
@@ -247,7 +249,7 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     if untold and not flux.reason:
         yield Measurement.undefined(name, "Wb", text, untold, flux.basis)
     else:
-        yield flux.number(name, text, rms, of_rms, resolved, added, own_mean, content=Power())
+        yield flux.number(name, text, rms, of_rms, resolved, own_mean, content=Power())
 
 
 def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
@@ -304,7 +306,9 @@ FLUX_TRAJECTORY: Final = Analysis(
     quantities=(
         Quantity(("flux_radius_mean",), "Wb", "mean of `sqrt(psi_alpha^2 + psi_beta^2)`, peak"),
         Quantity(("flux_radius_pp",), "Wb", "its maximum minus minimum"),
-        Quantity(("flux_radius_rms",), "Wb", "its rms about the mean"),
+        Quantity(
+            ("flux_radius_rms",), "Wb", "its rms about the mean, in steps of q without their `q^2 / 12`"
+        ),
         Quantity(("flux_centre_offset",), "Wb", "`abs(mean of c_0)`"),
         Quantity(
             ("flux_radius_order_6",),

@@ -12,33 +12,34 @@ Del Moral, Doucet and Jasra, J. R. Stat. Soc. B 68 (2006) 411; ter Braak, Stat. 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-_DRAWS, _FEWER_DRAWS = 120, 40  # in the end, and to find the lines
-_MOST_LINES = 6
+from benchtool.analysis.quantisation.readings import Readings
+
+_DRAWS, _FEWER_DRAWS = 160, 80  # in the end, and to find the lines
+_MOST_LINES, _MORE_LINES = 5, 2
 _FEWEST_POINTS, _PER_CYCLE, _MOST_POINTS = 128, 16, 2048
-_MOST_PLACES, _FEWEST_PLACES = 1 << 16, 32  # of a whole period; of the shortest one
-_EDGES = 3  # to either side of a reading: those beyond are three standard deviations of noise away
+_POINTS_PER_LINE = 6
+_TIMES_SHOWN, _MOST_SHOWN = 4, 1 << 15
 _TOLERANCE = 0.01  # of a step: what places in the period and rows between them make of a line
 _OF_VARIANCE, _LEAST_VARIANCE = 0.2, 2e-3  # of its logarithm; of a step's square
 _LEAST_NOISE, _MOST_NOISE = 5e-3, 0.8  # steps
-_STANDS_OUT = 4.0  # standard deviations: a line that those before do not make
+_STANDS_OUT, _HARDLY = 4.0, 1e-9  # standard deviations: a line that those before do not make
+_OF_DRAWS = 0.1  # share that makes all lines: the others may not have come to it
 _LEAST_LINE = 0.05  # steps: below it a line is as likely at any size
-_FURTHEST, _CELLS = 8.0, 1 << 11  # standard deviations of noise, in a table
 _AHEAD = 0.02  # steps, for a slope
-_MOVES, _LAST_MOVES = 5, 12
+_MOVES, _LAST_MOVES = 8, 24
+_SCALED_EACH, _SCALES = 3, np.array([0.5, 0.2, 0.05])  # of the moves; rms of a logarithm
 _SMALLER = np.array([1.0, 1.0, 0.3, 0.1])  # of the difference of two draws
 _MOST_STAGES = 60
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-LogDensity = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -63,30 +64,54 @@ def few_steps(
     """Return signals that a converter with a `step` and a `level` would read as a mean and harmonics 1, 2
     ..., peak `phasors` of shape (n,), with a mean square `beside` them, in so many samples.
 
-    Harmonics are taken in, the strongest first, until those taken make the others. `points` are the places of
-    a period at which there are samples; more than needed are as good as all.
+    The strongest harmonics are taken in, then the strongest of those that they do not make, until they make
+    all. `points` are the places of a period at which there are samples; more than needed are as good as all.
     """
     in_steps = (math.sqrt(beside) / step) ** 2  # the square of a tiny step is zero
     record = _Record((mean - level) / step, phasors / step, in_steps, samples, points)
-    orders = [1 + int(np.argmax(np.abs(phasors)))]
-    while len(orders) < _MOST_LINES:
-        draws = _drawn(record, np.array(orders), _FEWER_DRAWS)
-        left = np.abs(record.lines - draws.lines_read(len(phasors)))
-        left[np.array(orders) - 1] = 0.0
-        next_one = int(np.argmax(left))
-        if left[next_one] < _STANDS_OUT * record.of_line:
-            break
-        orders.append(next_one + 1)
-    draws = _drawn(record, np.array(orders), _DRAWS)
-    signals, read = draws.whole(draws.signals), draws.whole(draws.read)
+    fewest = _fewest_lines(record)
+    more = _with_strongest(fewest.orders, np.abs(record.lines), _MORE_LINES)
+    richer = _Model(record, more)
+    shown = [each.shown(each.sampled(_DRAWS), richer.orders) for each in (fewest, richer)]
+    signals, read, noise, noise_read, slope = (np.concatenate(each) for each in zip(*shown, strict=True))
     return FewSteps(
         level + step * signals,
         level + step * read,
-        step * draws.noise,
-        step * np.sqrt(draws.variance),
-        draws.slope,
-        np.array(orders),
+        step * noise,
+        step * noise_read,
+        slope,
+        richer.orders,
     )
+
+
+def _fewest_lines(record: _Record) -> _Model:
+    """Return signals of as few lines as make all those of a record."""
+    size = np.abs(record.lines)
+    orders = np.array([1 + int(np.argmax(size))])
+    while True:
+        model = _Model(record, orders)
+        missing = model.missing(model.sampled(_FEWER_DRAWS))
+        if len(orders) == _MOST_LINES or np.quantile(np.max(missing, axis=1), _OF_DRAWS) < _STANDS_OUT:
+            return model
+        stands_out = np.median(missing, axis=0)
+        more = _with_strongest(orders, np.where(stands_out > _STANDS_OUT, size, _HARDLY * stands_out), 1)
+        if len(more) == len(orders):
+            return model
+        orders = more
+
+
+def _with_strongest(orders: NDArray[np.int64], size: Floats, count: int) -> NDArray[np.int64]:
+    """Return orders with so many of the others whose size, shape (harmonics,), is largest, none of zero, as
+    far as the places of a waveform tell them from each other."""
+    least = len(orders)
+    for order in 1 + np.argsort(-size):
+        joined = np.append(orders, order)
+        is_told = np.max(joined) // np.gcd.reduce(joined) <= _MOST_POINTS // _POINTS_PER_LINE
+        if order not in orders and size[order - 1] > 0.0 and is_told:
+            orders = joined
+        if len(orders) == least + count:
+            break
+    return orders
 
 
 @dataclass(frozen=True)
@@ -106,145 +131,162 @@ class _Record:
 
 
 @dataclass(frozen=True)
-class _Draws:
-    """Signals, in steps, over the shortest period of their orders, and what is read of them."""
+class _Model:
+    """Signals with lines of some `orders`, in steps, of which a record may be. Unknown are their mean, the
+    logarithm of the noise's rms, its shape, and real and imaginary parts of the lines, peak."""
 
-    signals: Floats
-    read: Floats
-    noise: Floats
-    variance: Floats
-    slope: Floats
-    common: int
+    record: _Record
+    orders: NDArray[np.int64]
 
-    def lines_read(self, count: int) -> Complex:
-        """Return the mean harmonics 1 to `count` as read."""
-        bins = np.mean(fft.rfft(self.read, axis=1), axis=0) * (2.0 / self.read.shape[1])
-        lines = np.zeros(count, dtype=np.complex128)
-        own = lines[self.common - 1 :: self.common]
-        taken = min(len(own), len(bins) - 1)
-        own[:taken] = bins[1 : taken + 1]
-        return lines
+    @cached_property
+    def common(self) -> int:
+        """Periods of the signals in one of the record."""
+        return int(np.gcd.reduce(self.orders))
 
-    def whole(self, values: Floats) -> Floats:
-        """Return values over the shortest period over the whole one, at as many places for each; of very many
-        of them at fewer, which still show the signals' own lines."""
-        size, every = values.shape[1], 1
-        while size // every * self.common > _MOST_PLACES and size % (2 * every * _FEWEST_PLACES) == 0:
-            every *= 2
-        return np.tile(values[:, ::every], (1, self.common))
+    @cached_property
+    def _needed(self) -> int:
+        points, cycles = _FEWEST_POINTS, int(np.max(self.orders)) // self.common
+        while points < min(_PER_CYCLE * cycles, _MOST_POINTS):
+            points *= 2
+        return points
 
+    @cached_property
+    def are_few(self) -> bool:
+        """Whether the record has samples at few places of the signals, always the same ones."""
+        record = self.record
+        return record.points % self.common == 0 and record.points // self.common < self._needed
 
-def _drawn(record: _Record, orders: NDArray[np.int64], count: int) -> _Draws:
-    """Return so many signals with these orders that would be read as the record was."""
-    common = int(np.gcd.reduce(orders))
-    cycles = orders // common
-    needed = _FEWEST_POINTS
-    while needed < min(_PER_CYCLE * int(np.max(cycles)), _MOST_POINTS):
-        needed *= 2
-    are_few = record.points % common == 0 and record.points // common < needed
-    points = record.points // common if are_few else needed
-    place = np.exp(2j * np.pi * np.outer(cycles, np.arange(points)) / points)
-    seen = record.lines[common - 1 :: common][: (points - 1) // 2]
+    @cached_property
+    def points(self) -> int:
+        return self.record.points // self.common if self.are_few else self._needed
 
-    def signals(z: Floats) -> Floats:
-        lines = z[:, 3 : 3 + len(orders)] + 1j * z[:, 3 + len(orders) :]
-        return np.asarray(z[:, :1] + np.real(lines @ place))
+    @cached_property
+    def _seen(self) -> Complex:
+        """The harmonics of the record at the signals' own, as far as their places show them."""
+        own = self.record.lines[self.common - 1 :: self.common]
+        return own[: (self.points - 1) // 2 if self.are_few else self.points // _POINTS_PER_LINE]
 
-    def log_likelihood(z: Floats) -> Floats:
-        read, variance = _read(signals(z), np.exp(z[:, 1]), np.clip(z[:, 2], -1.0, 1.0))
-        bins = fft.rfft(read, axis=1) * (2.0 / points)
-        off = np.sum(np.abs(bins[:, 1 : len(seen) + 1] - seen) ** 2, axis=1)
-        off += 2.0 * (0.5 * bins[:, 0].real - record.mean) ** 2
-        ratio = np.log((variance + _LEAST_VARIANCE) / (record.beside + _LEAST_VARIANCE))
-        return np.asarray(-0.5 * off / record.of_line**2 - 0.5 * (ratio / _OF_VARIANCE) ** 2)
+    @cached_property
+    def _smoothed(self) -> Complex:
+        """What means from each place to the next make of these."""
+        order = np.arange(1, len(self._seen) + 1) / self.points
+        smoothed = np.ones(len(order)) if self.are_few else np.sinc(order) * np.exp(1j * np.pi * order)
+        return np.asarray(smoothed, dtype=np.complex128)
 
-    def log_prior(z: Floats) -> Floats:
+    def signals(self, z: Floats, points: int, common: int) -> Floats:
+        """Return the signals at so many places of a period, so many of which are in that of the record, shape
+        (draws, points)."""
+        lines = z[:, 3 : 3 + len(self.orders)] + 1j * z[:, 3 + len(self.orders) :]
+        bins = np.zeros((len(z), points), dtype=np.complex128)
+        for cycles, line in zip(self.orders // common, lines.T, strict=True):
+            bins[:, cycles % points] += line
+        return np.asarray(z[:, :1] + points * np.real(fft.ifft(bins, axis=1)))
+
+    def log_likelihood(self, z: Floats) -> Floats:
+        readings = Readings.of(np.exp(z[:, 1]), np.clip(z[:, 2], -1.0, 1.0))
+        signals = self.signals(z, self.points, self.common)
+        read, variance = readings.at(signals) if self.are_few else readings.from_place_to_place(signals)
+        bins = fft.rfft(read, axis=1)[:, : len(self._seen) + 1] * (2.0 / self.points)
+        off = np.sum(np.abs(bins[:, 1:] / self._smoothed - self._seen) ** 2, axis=1)
+        off += 2.0 * (0.5 * bins[:, 0].real - self.record.mean) ** 2
+        beside = np.mean(variance, axis=1) + _LEAST_VARIANCE
+        ratio = np.log(beside / (self.record.beside + _LEAST_VARIANCE))
+        return np.asarray(-0.5 * off / self.record.of_line**2 - 0.5 * (ratio / _OF_VARIANCE) ** 2)
+
+    def log_prior(self, z: Floats) -> Floats:
         """Of lines and noise of any size, in the logarithm, alike, and of any shape."""
-        lines = np.hypot(z[:, 3 : 3 + len(orders)], z[:, 3 + len(orders) :])
+        lines = np.hypot(z[:, 3 : 3 + len(self.orders)], z[:, 3 + len(self.orders) :])
         within = (z[:, 1] > math.log(_LEAST_NOISE)) & (z[:, 1] < math.log(_MOST_NOISE))
-        within &= (np.abs(z[:, 0] - record.mean) < 1.0) & (np.abs(z[:, 2]) < 1.0)
+        within &= (np.abs(z[:, 0] - self.record.mean) < 1.0) & (np.abs(z[:, 2]) < 1.0)
         return np.where(within, -2.0 * np.sum(np.log(lines + _LEAST_LINE), axis=1), -np.inf)
 
-    random = np.random.default_rng(0)
-    start = random.uniform(-1.0, 1.0, (count, 3 + 2 * len(orders)))
-    start[:, 0] = record.mean + 0.5 * start[:, 0]
-    start[:, 1] = np.log(np.geomspace(1.01 * _LEAST_NOISE, 0.99 * _MOST_NOISE, count))
-    own = record.lines[orders - 1]
-    start[:, 3:] = 0.5 * start[:, 3:] + np.concatenate([own.real, own.imag])
-    found = _sampled(start, log_prior, log_likelihood, random)
-    drawn, noise, shape = signals(found), np.exp(found[:, 1]), found[:, 2]
-    read, variance = _read(drawn, noise, shape)
-    return _Draws(drawn, read, noise, variance, _slope(drawn, noise, shape), common)
+    def scaled(self, z: Floats, logarithm: Floats) -> tuple[Floats, Floats]:
+        """Return signals and noise scaled about the edge next to their mean, by factors whose logarithms have
+        shape (draws,), and the logarithm of what that does to a volume: without noise a record only tells
+        when edges are passed."""
+        factor, edge = np.exp(logarithm)[:, np.newaxis], np.floor(z[:, :1]) + 0.5
+        moved = np.concatenate([edge + factor * (z[:, :1] - edge), z[:, 1:3], factor * z[:, 3:]], axis=1)
+        moved[:, 1] += logarithm
+        # the way back is about the same edge
+        is_same = np.floor(moved[:, 0]) == np.floor(z[:, 0])
+        return moved, np.where(is_same, (z.shape[1] - 2) * logarithm, -np.inf)
+
+    def sampled(self, count: int) -> Floats:
+        """Return so many samples of the unknowns with which it would be read as the record was."""
+        random = np.random.default_rng(0)
+        start = random.uniform(-1.0, 1.0, (count, 3 + 2 * len(self.orders)))
+        start[:, 0] = self.record.mean + 0.5 * start[:, 0]
+        start[:, 1] = np.log(np.geomspace(1.01 * _LEAST_NOISE, 0.99 * _MOST_NOISE, count))
+        own = self.record.lines[self.orders - 1]
+        start[:, 3:] = 0.5 * start[:, 3:] + np.concatenate([own.real, own.imag])
+        return _sampled(self, start, random)
+
+    def missing(self, z: Floats) -> Floats:
+        """Return by how many standard deviations the other harmonics of the record differ from those read,
+        shape (draws, harmonics)."""
+        read = self.shown(z, self.orders)[1]
+        bins = fft.rfft(read, axis=1)[:, 1:] * (2.0 / read.shape[1])
+        apart = np.tile(self.record.lines, (len(z), 1))
+        taken = min(apart.shape[1], bins.shape[1])
+        apart[:, :taken] -= bins[:, :taken]
+        apart[:, self.orders - 1] = 0.0
+        return np.asarray(np.abs(apart) / self.record.of_line)
+
+    def shown(self, z: Floats, orders: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Return signals, what is read of them, both over a period of the record at as many places as these
+        orders need, their noise before and after, and what is read of a weak line, for all draws."""
+        model = _Model(self.record, orders)
+        points = model.points if model.are_few else model.places_shown
+        signals = self.signals(z, points, model.common)
+        noise, shape = np.exp(z[:, 1]), np.clip(z[:, 2], -1.0, 1.0)
+        read, variance = Readings.of(noise, shape).at(signals)
+        # the mean density of readings at the edges between steps
+        dithered = Readings.of(np.maximum(noise, _LEAST_LINE), shape)
+        more, less = (dithered.at(signals + apart)[0] for apart in (_AHEAD, -_AHEAD))
+        slope = np.mean(more - less, axis=1) / (2.0 * _AHEAD)
+        signals, read = (np.tile(each, (1, model.common)) for each in (signals, read))
+        return signals, read, noise, np.sqrt(np.mean(variance, axis=1)), slope
+
+    @property
+    def places_shown(self) -> int:
+        """Places of the signals' period at which lines of the record are seen, as far as there is room."""
+        points, lines = self.points, len(self.record.lines) // self.common
+        cycles = int(np.max(self.orders)) // self.common
+        while points * self.common > _MOST_SHOWN and points > _PER_CYCLE * cycles:
+            points //= 2
+        while points < _TIMES_SHOWN * max(self.points, lines) and 2 * points * self.common <= _MOST_SHOWN:
+            points *= 2
+        return points
 
 
-def _read(signals: Floats, noise: Floats, shape: Floats) -> tuple[Floats, Floats]:
-    """Return what is read, in steps, on average of signals of shape (draws, points), with noise of an rms and
-    a shape, both (draws,), and the mean over the points of its variance, shape (draws,)."""
-    nearest = np.round(signals)
-    apart, inverse = signals - nearest, 1.0 / noise[:, np.newaxis]
-    mean, square = np.zeros_like(apart), np.zeros_like(apart)
-    for edge in range(_EDGES):
-        reached = noise > edge / _FURTHEST
-        value, scale, of = apart[reached], inverse[reached], shape[reached]
-        above, below = (_below((each - (edge + 0.5)) * scale, of) for each in (value, -value))
-        mean[reached] += above - below
-        square[reached] += (2.0 * edge + 1.0) * (above + below)
-        # to both sides further away than the table
-        square[~reached] += (4.0 * edge + 2.0) * _below(-_FURTHEST * np.ones((1, 1)), shape[~reached])
-    return nearest + mean, np.mean(square - mean**2, axis=1)
-
-
-def _below(value: Floats, shape: Floats) -> Floats:
-    """Return the probability that noise of rms 1 is less than values of shape (draws, points): between that
-    of the normal distribution (shape 0), of the rectangular one (1), and of Laplace's (-1)."""
-    tables = _distributions()
-    cell = np.clip((value + _FURTHEST) * (_CELLS / _FURTHEST), 0.0, 2.0 * _CELLS).astype(np.int32)
-    found = tables[0].take(cell)
-    other = tables.ravel().take(cell + (tables.shape[1] * np.where(shape > 0.0, 1, 2))[:, np.newaxis])
-    return np.asarray(found + np.abs(shape)[:, np.newaxis] * (other - found))
-
-
-@cache
-def _distributions() -> Floats:
-    """Return the normal, the rectangular and Laplace's distribution function of rms 1 at the cells of a
-    table."""
-    from scipy.special import ndtr
-
-    value = (np.arange(2 * _CELLS + 1) + 0.5) * (_FURTHEST / _CELLS) - _FURTHEST
-    tail = 0.5 * np.exp(-math.sqrt(2.0) * np.abs(value))
-    laplace = np.where(value < 0.0, tail, 1.0 - tail)
-    return np.array([ndtr(value), np.clip(0.5 + value / math.sqrt(12.0), 0.0, 1.0), laplace])
-
-
-def _slope(signals: Floats, noise: Floats, shape: Floats) -> Floats:
-    """Return the mean density of readings at the edges between steps: what is read of a weak line."""
-    noise = np.maximum(noise, _LEAST_LINE)
-    more, less = (_read(signals + apart, noise, shape)[0] for apart in (_AHEAD, -_AHEAD))
-    return np.asarray(np.mean(more - less, axis=1) / (2.0 * _AHEAD))
-
-
-def _sampled(
-    start: Floats, log_prior: LogDensity, log_likelihood: LogDensity, random: np.random.Generator
-) -> Floats:
-    """Return a sample of the likely ones from a broad one, both of shape (draws, unknowns)."""
-    z, unknowns = start, start.shape[1]
-    likely, prior, power = log_likelihood(z), log_prior(z), 0.0
+def _sampled(model: _Model, start: Floats, random: np.random.Generator) -> Floats:
+    """Return a sample of the likely unknowns of a model from a broad one, both of shape (draws, unknowns)."""
+    z, count = start, len(start)
+    likely, prior, power = model.log_likelihood(z), model.log_prior(z), 0.0
     for _ in range(_MOST_STAGES):
         rise = _next(likely, 1.0 - power)
         weights = np.exp(rise * (likely - np.max(likely)))
-        chosen = random.choice(len(z), len(z), p=weights / np.sum(weights))
+        chosen = random.choice(count, count, p=weights / np.sum(weights))
         z, likely, prior, power = z[chosen], likely[chosen], prior[chosen], power + rise
-        for _ in range(_MOVES if power < 1.0 else _LAST_MOVES):
-            one, other = random.permutation(len(z)), random.permutation(len(z))
-            scale = 1.7 / math.sqrt(unknowns) * random.choice(_SMALLER, (len(z), 1))
-            moved = z + scale * (z[one] - z[other]) + 1e-4 * random.standard_normal(z.shape)
-            its, before = log_likelihood(moved), log_prior(moved)
-            taken = np.log(random.random(len(z))) < power * (its - likely) + before - prior
+        for move in range(_MOVES if power < 1.0 else _LAST_MOVES):
+            moved, of_volume = _towards_others(z, random), np.zeros(count)
+            if move % _SCALED_EACH == 0:
+                moved, of_volume = model.scaled(z, random.normal(0.0, random.choice(_SCALES, count)))
+            its, before = model.log_likelihood(moved), model.log_prior(moved)
+            odds = power * (its - likely) + before - prior + of_volume
+            taken = np.log(random.random(count)) < odds
             z = np.where(taken[:, np.newaxis], moved, z)
             likely, prior = np.where(taken, its, likely), np.where(taken, before, prior)
         if power >= 1.0:
             break
     return z
+
+
+def _towards_others(z: Floats, random: np.random.Generator) -> Floats:
+    """Return draws moved by differences of others, all of shape (draws, unknowns)."""
+    one, other = random.permutation(len(z)), random.permutation(len(z))
+    scale = 1.7 / math.sqrt(z.shape[1]) * random.choice(_SMALLER, (len(z), 1))
+    return np.asarray(z + scale * (z[one] - z[other]) + 1e-4 * random.standard_normal(z.shape))
 
 
 def _next(likely: Floats, most: float) -> float:

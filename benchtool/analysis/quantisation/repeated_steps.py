@@ -19,7 +19,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy import fft
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.few_steps import FewSteps, few_steps
@@ -36,7 +35,8 @@ _AT_PLACES = 0.9  # mean vector of samples about their places
 _WHOLE = 0.5  # of the distance of such points: rows that move by less over the record stay on their places
 _TERMS = 20  # with which a share is computed
 _FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
-_FEWEST_TURNS = 3
+_FEWEST_TURNS = 2
+_FEWEST_CELLS, _CELLS_PER_POINT = 12, 32  # powers of two; of a period
 _NOT_FOLLOWED, _COHERENT = 2.0, 0.5  # times the noise; share of a harmonic's power that is in the mean
 _LEAST_SLOPE, _UNSURE = 0.2, 0.05  # a weak line as read over as it is; share of the draws
 
@@ -56,9 +56,13 @@ class RepeatedSteps:
     every: int
 
     @property
-    def has_noise(self) -> bool:
-        """Whether `of_rms` is that of waveform and noise together."""
+    def are_few(self) -> bool:
+        """Whether the waveform spans few steps, so that the errors are those of signals read alike."""
         return False
+
+    def added_power(self, step: float) -> float:
+        """Return the mean square that steps add to that of waveform and noise about their mean."""
+        return added_power(step)
 
     def of_mean(self, weights: Floats | float = 1.0) -> float:
         """Return the rms of the mean of the error times weights, shape (points,)."""
@@ -66,7 +70,7 @@ class RepeatedSteps:
 
     @property
     def of_rms(self) -> float:
-        """The rms of the change of the waveform's rms about its mean."""
+        """The rms of the change of the waveform's rms about its mean, beyond that by the added power."""
         deviation = self.waveform - np.mean(self.waveform)
         rms = float(np.std(self.waveform))
         return self.of_mean(deviation / rms) if rms > 0.0 else 0.0
@@ -118,14 +122,24 @@ class _OfFewSteps(RepeatedSteps):
     signals: FewSteps
 
     @property
-    def has_noise(self) -> bool:
+    def are_few(self) -> bool:
         return True
+
+    def added_power(self, step: float) -> float:
+        read, before = self._squares
+        return float(np.mean(read - before))
 
     @property
     def of_rms(self) -> float:
+        read, before = self._squares
+        return float(np.std(np.sqrt(read) - np.sqrt(before)))
+
+    @property
+    def _squares(self) -> tuple[Floats, Floats]:
+        """Mean squares of what is read and of the signals, with their noise, about their means, (draws,)."""
         found = self.signals
-        read = np.sqrt(np.var(found.read, axis=1) + found.noise_read**2)
-        return _rms(read - np.sqrt(np.var(found.signals, axis=1) + found.noise**2))
+        read = np.var(found.read, axis=1) + found.noise_read**2
+        return read, np.var(found.signals, axis=1) + found.noise**2
 
     def of_lines(self, phasors: Complex) -> tuple[Floats, Floats]:
         """As of `RepeatedSteps`; the first is nan for a line of which next to nothing may be read."""
@@ -140,8 +154,10 @@ class _OfFewSteps(RepeatedSteps):
         return found, np.asarray(np.mean(np.abs(errors) ** 2, axis=0))
 
 
-def _rms(values: Floats) -> float:
-    return math.sqrt(float(np.mean(values**2)))
+def added_power(step: float) -> float:
+    """Return the mean square that steps add to that of a signal that spans many of them, or whose noise hides
+    them (Widrow and Kollár, ch. 4)."""
+    return step**2 / 12.0
 
 
 def repeated_steps(
@@ -207,25 +223,21 @@ def repeated_steps(
 
 
 def steps_of_periods(
-    samples: Floats,
-    begins: NDArray[np.int64],
-    per_revolution: int,
-    step: float,
-    turns: Floats | None = None,
+    samples: Floats, begins: NDArray[np.int64], per_revolution: int, step: float, turns: Floats
 ) -> RepeatedSteps | None:
     """Return the errors of a converter's steps in samples, shape (n,), that are the same in every period or,
     where the waveform spans few steps, in every revolution; None where noise hides them.
 
     `begins`, shape (periods + 1,), are the rows at which periods begin, of which so many make a revolution.
-    `turns`, shape (n,), is where samples are, in periods, if it is known.
+    `turns`, shape (n,), is where samples are, in periods.
     """
-    of_period = _Repeated.of(samples, begins)
+    of_period = _Repeated.of(samples, begins, turns)
     if _spanned(_without_the_weakest(of_period.phasors, step), step) < _FEW:
         rows = begins[::per_revolution]
         is_period = per_revolution == 1 or len(rows) <= _FEWEST_TURNS
-        of_turn = of_period if is_period else _Repeated.of(samples, rows)
+        of_turn = of_period if is_period else _Repeated.of(samples, rows, turns / per_revolution)
         found = of_turn.errors(step, level_of(samples, step))
-        if found is not None and found.has_noise:
+        if found is not None and found.are_few:
             return found
     # where the mean lies between levels is off by what it is read wrong
     return of_period.errors(step, turns=turns)
@@ -243,25 +255,28 @@ class _Repeated:
     periods: int
 
     @staticmethod
-    def of(samples: Floats, begins: NDArray[np.int64]) -> _Repeated:
-        """Return that of samples, shape (n,), whose periods begin at these rows, shape (periods + 1,)."""
-        periods = len(begins) - 1
+    def of(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> _Repeated:
+        """Return that of samples, shape (n,), whose periods begin at these rows, shape (periods + 1,), and
+        which lie at `turns`, shape (n,), in periods."""
+        periods, whole = len(begins) - 1, slice(begins[0], begins[-1])
         points = round((begins[-1] - begins[0]) / periods)
-        at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
-        table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
-        phasors = fft.rfft(np.mean(table, axis=0))[1:] * (2.0 / points)
+        values, place = samples[whole], np.mod(turns[whole], 1.0)
+        mean = float(np.mean(values))
+        cells = 1 << max(_FEWEST_CELLS, math.ceil(math.log2(_CELLS_PER_POINT * points)))
+        cell = np.round(place * cells).astype(np.int64) % cells
+        sums = np.bincount(cell, values - mean, cells)
+        phasors = fft.rfft(sums)[1 : points // 2 + 1] * (2.0 / len(values))
         if points % 2 == 0:
             phasors[-1] *= 0.5
-        # periods begin within a sample: what the slope makes of that is no noise
-        number = np.arange(periods + 1)
-        within2 = float(np.var(begins - Polynomial.fit(number, begins, min(2, periods))(number)))
-        slope = phasors * np.arange(1, len(phasors) + 1) * (2.0 * np.pi / points)
-        left = float(np.mean(np.var(table, axis=0, ddof=1))) - within2 * float(np.sum(np.abs(slope) ** 2))
+        # neighbours in the order of their places are apart by noise alone
+        left = 0.5 * float(np.mean(np.diff(values[np.argsort(place, kind="stable")]) ** 2))
         # nor are periods that the track does not follow closely, which leave neighbouring samples alike
         noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
         if left > _NOT_FOLLOWED * noise2:
+            at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
+            table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
             phasors *= _smeared(table, phasors)
-        return _Repeated(float(np.mean(table)), phasors, noise2, float(begins[-1] - begins[0]), periods)
+        return _Repeated(mean, phasors, noise2, float(len(values)), periods)
 
     def errors(
         self, step: float, level: float | None = None, turns: Floats | None = None

@@ -133,7 +133,7 @@ def line_errors(
         turns = turns[(turns >= 0.0) & (turns < spectrum.periods)]
     steps = converter_steps(spectrum, step, level=level)
     resolution, steps2 = repeated_quantisation(spectrum, steps)
-    if turns is not None and not (steps is not None and steps.has_noise):  # of few steps places are no matter
+    if turns is not None and not (steps is not None and steps.are_few):  # of few steps places are no matter
         # what folds to places that hardly repeat is in the noise beside the lines already
         evenly = resolution
         resolution, steps2 = repeated_quantisation(spectrum, converter_steps(spectrum, step, turns, level))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
+from benchtool.analysis.quantisation.repeated_steps import added_power
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.statistics.between_samples import BETWEEN
@@ -153,7 +154,9 @@ def ripple_of_rows(
     if scatter is None or marks is None:
         unknown = _without_periods(marks, repeated, no_periods)
     else:
-        whole = replace(whole, mean=scatter.whole_mean, rms=scatter.whole_rms)
+        by_steps = added_power(step) if scatter.steps is None else scatter.steps.added_power(step)
+        rms = math.sqrt(max(0.0, scatter.whole_rms**2 - by_steps))
+        whole = replace(whole, mean=scatter.whole_mean, rms=rms)
         unknown = _few_updates(samples, marks, repeated)
         scatter = replace(scatter, percentile_range=None) if unknown else scatter
     seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples))
@@ -300,6 +303,7 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
     """Yield the numbers of a ripple between whose percentiles there is a range."""
     whole, scatter, step, what, channel = seen.whole, seen.scatter, seen.step, seen.what, seen.channel
     without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
+    less_steps = "" if scatter is None or not step else f", less what steps of {step:.3g} {whole.unit} add"
     # what noise turns into noise, the scatter holds already
     of_mean = of_rms = 0.0
     if scatter is not None and scatter.steps is not None:
@@ -309,9 +313,6 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
     if scatter is not None and whole.rms > 0.0:
         taken = scatter.mean.standard**2 / (2.0 * whole.rms)
     of_range = taken * range_between / whole.rms if math.isfinite(taken) and whole.rms > 0.0 else 0.0
-    # steps add a twelfth of their square to the mean square
-    if scatter is None or scatter.steps is None or not scatter.steps.has_noise:
-        of_rms = math.hypot(of_rms, step**2 / (24.0 * whole.rms) if whole.rms > 0.0 else 0.0)
     mean = seen.number(
         f"{name}_mean",
         f"mean of {what}{without}",
@@ -325,7 +326,7 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
     yield peak_to_peak
     rms = seen.number(
         f"{name}_ripple_rms",
-        f"rms of {what} about its mean{without}",
+        f"rms of {what} about its mean{without}{less_steps}",
         whole.rms,
         scatter.rms if scatter else None,
         Sensitivities.of_rms(channel, whole.rms),

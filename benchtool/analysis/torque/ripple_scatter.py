@@ -76,7 +76,7 @@ def scatter_of_periods(
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,
-        steps=steps_of_periods(within, rows, repeats.per_revolution, step)
+        steps=steps_of_periods(within, rows, repeats.per_revolution, step, repeats.turns)
         if percentiles and step > 0.0
         else None,
         between=between_samples(rest, repeats.turns),

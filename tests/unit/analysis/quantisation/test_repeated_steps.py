@@ -126,8 +126,8 @@ def test_a_waveform_of_periods_that_begin_early_and_late_keeps_its_size() -> Non
     theta = 2.0 * np.pi * np.arange(per_period) / per_period - late
     clean = np.ravel(0.1 * np.cos(order * theta))
     read = STEP / 4 * np.round((clean - random.uniform()) / (STEP / 4))
-    begins = per_period * np.arange(periods + 1)
-    found = steps_of_periods(read, begins, 1, STEP / 4)
+    begins, turns = per_period * np.arange(periods + 1), np.arange(len(read)) / per_period
+    found = steps_of_periods(read, begins, 1, STEP / 4, turns)
     assert found is not None
     assert np.max(np.abs(found.waveform - np.mean(found.waveform))) == pytest.approx(0.1, rel=0.01)
 
@@ -194,9 +194,9 @@ def test_a_waveform_of_few_steps_has_the_errors_of_all_that_read_alike(
 ) -> None:
     theta = 2.0 * np.pi * np.arange(40 * 200) / 200.0
     samples = STEP * np.round(amplitude * np.cos(theta + 0.3) + 0.2)
-    found = steps_of_periods(samples, np.arange(0, 8001, 200), 1, STEP)
+    found = steps_of_periods(samples, np.arange(0, 8001, 200), 1, STEP, np.arange(8000) / 200.0)
     assert found is not None
-    assert found.has_noise == is_few
+    assert found.are_few == is_few
 
 
 def test_readings_of_the_same_places_lie_at_levels_and_say_nothing_of_their_errors() -> None:
