@@ -38,6 +38,7 @@ _FEW = 8.0  # steps, from least to greatest: below it a record does not show wha
 _FEWEST_TURNS = 2
 _FEWEST_CELLS, _CELLS_PER_POINT = 12, 32  # powers of two; of a period
 _NOT_FOLLOWED, _COHERENT = 2.0, 0.5  # times the noise; share of a harmonic's power that is in the mean
+_OF_SMEARED = 0.5  # share of what does not repeat, by harmonics whose phases wander
 _LEAST_SLOPE, _UNSURE = 0.2, 0.05  # a weak line as read over as it is; share of the draws
 
 Floats = NDArray[np.float64]
@@ -275,7 +276,12 @@ class _Repeated:
         if left > _NOT_FOLLOWED * noise2:
             at = begins[:-1, np.newaxis] + np.diff(begins)[:, np.newaxis] * (np.arange(points) / points)
             table = samples[np.minimum(np.round(at).astype(np.int64), len(samples) - 1)]
-            phasors *= _smeared(table, phasors)
+            smeared = _smeared(table, phasors)
+            lost = 0.5 * float(np.sum(np.abs(phasors) ** 2 * (smeared**2 - 1.0)))
+            if lost < _OF_SMEARED * left:  # noise has a memory
+                noise2 = left
+            else:
+                phasors *= smeared
         return _Repeated(mean, phasors, noise2, float(len(values)), periods)
 
     def errors(
