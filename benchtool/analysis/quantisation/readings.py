@@ -50,7 +50,7 @@ class Readings:
         return Readings(error, variance, _integral(error), _integral(variance))
 
     def at(self, signals: Floats) -> tuple[Floats, Floats]:
-        """Return the mean and the variance of what is read of signals, in steps, shape (draws, places)."""
+        """Return the mean and the variance of readings of signals, in steps, shape (draws, places)."""
         place = _Place.of(signals)
         return signals + place.between(self.error), place.between(self.variance)
 

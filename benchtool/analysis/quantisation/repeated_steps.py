@@ -137,7 +137,7 @@ class _OfFewSteps(RepeatedSteps):
 
     @property
     def _squares(self) -> tuple[Floats, Floats]:
-        """Mean squares of what is read and of the signals, with their noise, about their means, (draws,)."""
+        """Mean squares of readings and of signals, with their noise, about their means, both (draws,)."""
         found = self.signals
         read = np.var(found.read, axis=1) + found.noise_read**2
         return read, np.var(found.signals, axis=1) + found.noise**2
