@@ -23,6 +23,16 @@ def test_an_amplitude_that_moves_on_its_own_is_no_noise_of_the_phase() -> None:
     assert steady_departure(phase_rad, 1.0 + 0.05 * np.cos(PERIODS)) == pytest.approx(3e-4, rel=0.01)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_of_few_periods_the_amplitude_tells_the_noise_in_any_unit(unit: float) -> None:
+    """Of five, three polynomials of the phase alone do not, and four of the amplitude besides do."""
+    periods = PERIODS[:5]
+    noise = 1e-5 * np.array([[0.6, -1.0, 1.3, -1.1, 0.4], [-0.8, 0.5, 0.9, -1.2, 0.6]])
+    phase_rad = 4.5e-5 * periods + noise[0]
+    assert steady_departure(phase_rad, unit * (1.0 + noise[1])) == pytest.approx(4.5e-5, rel=0.1)
+    assert steady_departure(phase_rad, unit * (1.0 + 1e3 * noise[1])) == 0.0
+
+
 def test_noise_and_a_swing_of_the_phase_are_no_steady_departure() -> None:
     random = np.random.default_rng(7)
     found = [
