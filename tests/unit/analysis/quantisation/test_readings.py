@@ -8,7 +8,7 @@ import pytest
 from benchtool.analysis.quantisation.readings import Readings
 
 SIGNALS = np.linspace(-1.3, 1.7, 301)
-OF_DRAWS = 0.02  # of a step: over five standard deviations of what is drawn
+OF_DRAWS = 0.02  # of a step: over five standard deviations of a mean of draws
 AT_AN_EDGE = 0.06  # of a step: a cell of the table beside a jump
 
 
