@@ -60,7 +60,10 @@ class Comparison(Section):
 
 
 class Claim(Section):
-    """What a source claims of its results, and the comparisons that all hold where it is right."""
+    """What a source claims of its results, and the comparisons that all hold where it is right.
+
+    Numbers that differ by less than the expanded uncertainty of their difference leave a claim undecided.
+    """
 
     claim: str
     """The claim in a sentence."""

@@ -1,29 +1,48 @@
 """Claims of a publication compared with measured numbers, in the literal and in the chosen reading.
 
 A plan runs the publication literally in a variant called `literal`; its other cases follow the choices of the
-profile. A case that is the same in both readings has no such variant.
+profile. A case that is the same in both readings has no such variant. A claim is judged as a limit with
+`margin = "U"` is: numbers closer to each other than the uncertainty of their difference leave it undecided
+(JCGM 106:2012, 8.3); a number without an uncertainty is compared as it stands.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, Uncertainty, of_difference, with_expanded
 from benchtool.profile import Claim, Comparison
 
 LITERAL = "literal"
-_SIGNS = {"below": "<≮", "above": ">≯", "near": "≈≉"}  # where it holds, and where it does not
+_EXACT = Uncertainty(0.0, "as stated")
 
 Figures = Mapping[str, Mapping[str, Sequence[Measurement]]]  # by plan, then by case
 
 
+class Standing(StrEnum):
+    """Whether a claim holds; of several comparisons the last of these that occurs counts."""
+
+    HOLDS = "yes"
+    UNDECIDED = "undecided"
+    FAILS = "no"
+    NOT_MEASURED = "not measured"
+
+
+_SIGNS = {
+    "below": {Standing.HOLDS: "<", Standing.FAILS: "≮", Standing.UNDECIDED: "≷"},
+    "above": {Standing.HOLDS: ">", Standing.FAILS: "≯", Standing.UNDECIDED: "≷"},
+    "near": {Standing.HOLDS: "≈", Standing.FAILS: "≉", Standing.UNDECIDED: "≟"},
+}
+
+
 @dataclass(frozen=True)
 class Finding:
-    """Whether a claim holds in one reading, and its numbers; None where one was not measured."""
+    """Whether a claim holds in one reading, and its numbers."""
 
-    holds: bool | None
+    standing: Standing
     numbers: tuple[str, ...]
 
 
@@ -44,60 +63,97 @@ def claims_table(claims: Sequence[Claim], figures: Figures) -> Iterator[str]:
 
 
 def verdict(here: Finding, letter: Finding) -> str:
-    """Yes, no, or in which of the readings alone."""
-    match here.holds, letter.holds:
-        case (None, _) | (_, None):
-            return "not measured"
-        case True, True:
-            return "yes"
-        case True, False:
+    """Return the verdict that both readings share, or that of each."""
+    match here.standing, letter.standing:
+        case (Standing.NOT_MEASURED, _) | (_, Standing.NOT_MEASURED):
+            return Standing.NOT_MEASURED
+        case Standing.HOLDS, Standing.FAILS:
             return "only if improved as here"
-        case False, True:
+        case Standing.FAILS, Standing.HOLDS:
             return "only if read literally"
-    return "no"
+        case same, other if same is other:
+            return same
+    return f"{here.standing} if improved as here, {letter.standing} if read literally"
 
 
 def finding(claim: Claim, figures: Figures, *, by_the_letter: bool) -> Finding:
     """Return a claim in one reading: it holds where all of its comparisons do."""
     results = [_compared(each, figures, by_the_letter) for each in claim.comparisons]
-    states = [state for state, _ in results]
-    return Finding(None if None in states else all(states), tuple(text for _, text in results))
+    return Finding(_last(standing for standing, _ in results), tuple(text for _, text in results))
 
 
-def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> tuple[bool | None, str]:
+def _last(standings: Iterable[Standing]) -> Standing:
+    order = list(Standing)
+    return max(standings, key=order.index)
+
+
+def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> tuple[Standing, str]:
     place = comparison.plan, comparison.case, comparison.measurement
     left = _measured(figures, *place, by_the_letter)
     name = f"{comparison.plan} {comparison.case} {comparison.measurement}"
-    times = comparison.times
+    if left is None:
+        return Standing.NOT_MEASURED, f"{name} not measured"
     if comparison.other is not None:
         other = comparison.other
         there = (other.plan or place[0], other.case or place[1], other.measurement or place[2])
         right = _measured(figures, *there, by_the_letter)
-        beside = " ".join(part for part, mine in zip(there, place, strict=True) if part != mine)
-        bound = right.value if right else math.nan
+        beside = " ".join(part for part, mine in zip(there, place, strict=True) if part != mine) + " "
     else:
-        bound, beside = float(comparison.value or 0.0), ""
-    if left is None or not (math.isfinite(left.value) and math.isfinite(bound)):
-        return None, f"{name} not measured"
-    stated = f"{bound:.3g} {left.unit}".rstrip()
+        right, beside = _Number(float(comparison.value or 0.0), left.unit), ""
+    if right is None:
+        return Standing.NOT_MEASURED, f"{name} not measured"
+    times = comparison.times
+    standing = _standing(comparison.relation, left, right, times)
     factor = "" if times == 1 else f"{times:g} × " if comparison.relation != "near" else ""
     within = f" (within a factor of {times:g})" if comparison.relation == "near" else ""
-    partner = f"{beside} {stated}" if beside else stated
-    holds = _holds(comparison.relation, left.value, bound, times)
-    sign = _SIGNS[comparison.relation][0 if holds else 1]
-    return holds, f"{name} {left.value:.3g} {left.unit} {sign} {factor}{partner}{within}"
+    sign = _SIGNS[comparison.relation][standing]
+    return standing, f"{name} {left} {sign} {factor}{beside}{right}{within}"
 
 
-def _holds(relation: str, value: float, bound: float, times: float) -> bool:
+@dataclass(frozen=True)
+class _Number:
+    """A finite value and its uncertainty for any record of the same state; zero where none is known."""
+
+    value: float
+    unit: str
+    uncertainty: Uncertainty = _EXACT
+
+    def __str__(self) -> str:
+        exact = self.uncertainty is _EXACT
+        value = f"{self.value:.4g}" if exact else with_expanded(self.value, self.uncertainty)
+        return f"{value} {self.unit}".rstrip()
+
+    def __mul__(self, factor: float) -> _Number:
+        return _Number(factor * self.value, self.unit, self.uncertainty.scaled(factor))
+
+    def above(self, other: _Number) -> Standing:
+        """Tell whether this number is the greater one by more than the uncertainty of the difference."""
+        room = self.value - other.value
+        of_both = of_difference(self.uncertainty, other.uncertainty, (self.value, other.value))
+        if abs(room) < of_both.expanded:
+            return Standing.UNDECIDED
+        return Standing.HOLDS if room > 0.0 else Standing.FAILS
+
+
+def _standing(relation: str, value: _Number, bound: _Number, times: float) -> Standing:
     match relation:
         case "below":
-            return value < times * bound
+            return (bound * times).above(value)
         case "above":
-            return value > times * bound
-    return abs(bound) / times <= abs(value) <= abs(bound) * times and value * bound > 0
+            return value.above(bound * times)
+    sign = math.copysign(1.0, bound.value)
+    value, bound = value * sign, bound * sign
+    return _last((value.above(bound * (1.0 / times)), (bound * times).above(value)))
 
 
-def _measured(figures: Figures, plan: str, case: str, name: str, by_the_letter: bool) -> Measurement | None:
+def _measured(figures: Figures, plan: str, case: str, name: str, by_the_letter: bool) -> _Number | None:
+    """Return what was measured in a case; None where that has no value."""
     cases = figures.get(plan, {})
     found = cases.get(literal(case)) if by_the_letter else None
-    return next((each for each in found or cases.get(case, ()) if each.name == name), None)
+    each = next((each for each in found or cases.get(case, ()) if each.name == name), None)
+    if each is None or not math.isfinite(each.value):
+        return None
+    uncertainty = each.uncertainty_of_state
+    if uncertainty is None or not math.isfinite(uncertainty.expanded):
+        return _Number(each.value, each.unit)
+    return _Number(each.value, each.unit, uncertainty)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import NOTHING, Measurement, with_expanded
 from benchtool.profile import Choice, Profile
 from benchtool.report.claims import claims_table, literal
 
@@ -32,9 +32,10 @@ PAGE_MARK = b"Written by `benchtool run"
 def reproduction_page(profile: Profile, plans: Sequence[PlanFigures], command: str) -> str:
     """Return every published figure with ours and the ratio, every claim, other measurement, choice made.
 
-    A number is one that the run measured, or the publication's.
+    A number is one that the run measured, with its expanded uncertainty, or the publication's.
     """
-    lines = ["# Reproduction", "", profile.title + ".", "", f"Written by `{command}`.", ""]
+    lines = ["# Reproduction", "", profile.title + ".", ""]
+    lines += [f"Written by `{command}`. Numbers are value ± U (95 %).", ""]
     lines += [*_both_readings(plans), *_claims(profile, plans)]
     for plan in plans:
         lines += [f"## {plan.name}: {plan.title}", "", *_published(plan), *_table(plan)]
@@ -65,7 +66,7 @@ def _both_readings(plans: Sequence[PlanFigures]) -> Iterator[str]:
         cells = []
         for reading in (literal(case), case):
             ours = next((each for each in plan.measured[reading] if each.name == name), None)
-            cells += [f"{_number(ours.value)} {ours.unit}", _ratio(ours.value, value)] if ours else ["–", "–"]
+            cells += [_quantity(ours), _ratio(ours.value, value)] if ours else [NOTHING, NOTHING]
         yield f"| {_short(plan)} | {case} | {name} | {value:.4g} | {' | '.join(cells)} |"
     yield ""
 
@@ -96,10 +97,10 @@ def _published(plan: PlanFigures) -> Iterator[str]:
     )
     for case, name, value, ours in rows:
         if ours is None:
-            yield f"| {case} | {name} | {value:.4g} | – | – | not measured |"
+            yield f"| {case} | {name} | {value:.4g} | {NOTHING} | {NOTHING} | not measured |"
             continue
         yield (
-            f"| {case} | {name} | {value:.4g} {ours.unit} | {_number(ours.value)} {ours.unit} "
+            f"| {case} | {name} | {value:.4g} {ours.unit} | {_quantity(ours)} "
             f"| {_ratio(ours.value, value)} | {ours.definition} |"
         )
     yield ""
@@ -111,19 +112,19 @@ def _table(plan: PlanFigures) -> Iterator[str]:
         yield f"| case | {' | '.join(plan.tabulate)} |"
         yield f"|---|{'---|' * len(plan.tabulate)}"
         for case, measured in plan.measured.items():
-            cells = {each.name: f"{_number(each.value)} {each.unit}" for each in measured}
-            yield f"| {case} | {' | '.join(cells.get(name, '–') for name in plan.tabulate)} |"
+            cells = {each.name: _quantity(each) for each in measured}
+            yield f"| {case} | {' | '.join(cells.get(name, NOTHING) for name in plan.tabulate)} |"
         yield ""
         return
     units = {each.name: each.unit for measured in plan.measured.values() for each in measured}
     yield f"| measurement | unit | {' | '.join(plan.measured)} |"
     yield f"|---|---|{'---|' * len(plan.measured)}"
+    columns = [
+        {each.name: with_expanded(each.value, each.uncertainty) for each in measured}
+        for measured in plan.measured.values()
+    ]
     for name, unit in units.items():
-        values = (
-            next((each.value for each in measured if each.name == name), math.nan)
-            for measured in plan.measured.values()
-        )
-        yield f"| {name} | {unit} | {' | '.join(_number(value) for value in values)} |"
+        yield f"| {name} | {unit} | {' | '.join(column.get(name, NOTHING) for column in columns)} |"
     yield ""
 
 
@@ -134,8 +135,9 @@ def _choices(choices: Sequence[Choice]) -> Iterator[str]:
 
 
 def _ratio(ours: float, published: float) -> str:
-    return f"{ours / published:.3g}" if published and math.isfinite(ours) else "–"
+    return f"{ours / published:.3g}" if published and math.isfinite(ours) else NOTHING
 
 
-def _number(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else "–"
+def _quantity(measured: Measurement) -> str:
+    """Return a value ± its expanded uncertainty, and the unit."""
+    return f"{with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Contribution, Measurement, Uncertainty
 from benchtool.plan.cases import cases
 from benchtool.plan.model import load_plan, plan_names
 from benchtool.profile import Claim, Comparison, load_profile
-from benchtool.report.claims import claims_table, finding, literal, verdict
+from benchtool.report.claims import Finding, Standing, claims_table, finding, literal, verdict
 
 
 def _measured(**values: float) -> list[Measurement]:
@@ -65,6 +65,71 @@ def _verdict(claim: Claim) -> str:
 )
 def test_a_claim_holds_in_both_readings_in_one_or_in_none(comparison: dict[str, Any], expected: str) -> None:
     assert _verdict(_claim(**comparison)) == expected
+
+
+def _with_U(name: str, value: float, U: float, **further: Any) -> Measurement:
+    return Measurement(
+        name, value, "Nm", "as defined", uncertainty=Uncertainty(U / 1.96, "scatter"), **further
+    )
+
+
+def _standing(claim: Claim, *measured: Measurement, other: Measurement | None = None) -> Standing:
+    figures = {"fig": {"new": measured, "old": [other] if other else []}}
+    return finding(claim, figures, by_the_letter=False).standing
+
+
+@pytest.mark.parametrize(
+    ("comparison", "standings"),
+    [  # of 1 Nm ± U, with U of 0.1, 0.3 and 0.9 Nm
+        ({"relation": "below", "value": 1.2}, "yes undecided undecided"),
+        ({"relation": "above", "value": 1.2}, "no undecided undecided"),
+        ({"relation": "below", "value": 0.5, "times": 4.0}, "yes yes yes"),
+        ({"relation": "near", "value": 1.0, "times": 1.5}, "yes yes undecided"),
+        ({"relation": "near", "value": 1.4, "times": 1.2}, "no undecided undecided"),
+        ({"relation": "near", "value": -1.4, "times": 1.2}, "no no no"),
+        ({"relation": "near", "value": -0.1, "times": 9.0}, "no no no"),
+    ],
+)
+def test_a_claim_within_the_uncertainty_is_undecided(comparison: dict[str, Any], standings: str) -> None:
+    found = [_standing(_claim(**comparison), _with_U("ripple", 1.0, U)) for U in (0.1, 0.3, 0.9)]
+    assert found == standings.split()
+
+
+@pytest.mark.parametrize(("apart", "expected"), [(0.51, Standing.HOLDS), (0.49, Standing.UNDECIDED)])
+def test_the_uncertainties_of_two_numbers_add_as_squares(apart: float, expected: Standing) -> None:
+    claim = _claim(relation="below", other={"case": "old"}, times=2.0)
+    new, old = _with_U("ripple", 1.0, 0.3), _with_U("ripple", 0.5 * (1.0 + apart), 0.2)
+    assert _standing(claim, new, other=old) is expected
+
+
+def test_what_another_record_differs_by_counts() -> None:
+    again = Contribution("another record", "A", 0.2)
+    claim = _claim(relation="below", value=1.2)
+    assert _standing(claim, _with_U("ripple", 1.0, 0.1, repeatability=again)) is Standing.UNDECIDED
+
+
+def test_one_comparison_that_fails_is_enough() -> None:
+    undecided, fails = _claim(relation="below", value=1.1), _claim(relation="above", value=1.5)
+    both = Claim(claim="both", source="Fig. 1", comparisons=(*undecided.comparisons, *fails.comparisons))
+    assert _standing(both, _with_U("ripple", 1.0, 0.3)) is Standing.FAILS
+    with_good = Claim(
+        claim="both",
+        source="Fig. 1",
+        comparisons=(*undecided.comparisons, *_claim(relation="below", value=9.0).comparisons),
+    )
+    assert _standing(with_good, _with_U("ripple", 1.0, 0.3)) is Standing.UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("here", "letter", "expected"),
+    [
+        (Standing.UNDECIDED, Standing.UNDECIDED, "undecided"),
+        (Standing.HOLDS, Standing.UNDECIDED, "yes if improved as here, undecided if read literally"),
+        (Standing.UNDECIDED, Standing.FAILS, "undecided if improved as here, no if read literally"),
+    ],
+)
+def test_each_reading_may_be_undecided(here: Standing, letter: Standing, expected: str) -> None:
+    assert verdict(Finding(here, ()), Finding(letter, ())) == expected
 
 
 def test_a_claim_needs_all_of_its_comparisons() -> None:
