@@ -102,5 +102,8 @@ class FileDestination:
         """Return a note if the disk is full."""
         return "" if self._room else f"less than {_ROOM_B >> 20} MiB are free on its disk"
 
+    def lost(self) -> None:
+        """Does nothing: the file is not opened again."""
+
     def give_up(self) -> None:
         """Does nothing: there is no connection to cut."""

@@ -53,6 +53,9 @@ class Destination(Protocol):
     def alive(self) -> bool:
         """Return whether the destination, or one started in its place, can receive."""
 
+    def lost(self) -> None:
+        """Take note that what was sent did not arrive."""
+
     def give_up(self) -> None:
         """Cut the connection."""
 
@@ -188,6 +191,7 @@ class RecordingSink:
                     continue
                 self._pass_on(messages)
             except (RuntimeError, ValueError) as reason:  # what the SDK makes of a broken connection
+                self._destination.lost()
                 self._mark_gone("" if self._destination.replaceable else str(reason))
                 self.discard(rows)
         self._stream.disconnect()

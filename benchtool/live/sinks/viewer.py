@@ -78,7 +78,7 @@ class Viewer:
             )
         program = viewer_program()
         self._look_s = 0.0
-        self._replaced = False
+        self._lost = self._replaced = False
         self._relay: Relay | None = None
         # Not Rerun's default port, 9876, at which the viewer of another program may listen.
         ports = ["--port", str(port or _free_port(self._bind))]
@@ -163,14 +163,22 @@ class Viewer:
         return f"'rerun --bind {self._bind} --port {self.port}' shows the rest"
 
     def alive(self) -> bool:
-        """Return whether the process runs, or another listens in its place, which is checked once a
-        second."""
-        if self.process.poll() is None:
+        """Return whether the process runs, or another listens in its place.
+
+        The latter is checked once a second, and so is the former once the connection was lost: a process that
+        is just ending seems to run, and its port to listen.
+        """
+        if not self._lost and self.process.poll() is None:
             return True
         if time.monotonic() >= self._look_s:
             self._look_s = time.monotonic() + _LOOKING_S
             self._replaced = self._answers()
         return self._replaced
+
+    def lost(self) -> None:
+        """Look for it, or for another in its place, in a second."""
+        self._lost, self._replaced = True, False
+        self._look_s = time.monotonic() + _LOOKING_S
 
     def give_up(self) -> None:
         """Cut the way to it, if there is one."""

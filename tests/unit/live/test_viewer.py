@@ -198,6 +198,31 @@ def test_a_viewer_that_was_killed_takes_nothing_and_holds_nothing_up(web: Viewer
     assert noted[0].startswith("the web viewer is gone, the measurement goes on without it; ")
 
 
+def test_a_viewer_that_is_ending_is_not_taken_for_one_that_is_back(
+    web: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its process still seems to run, and its port to listen, for a while after the connection is lost."""
+    noted: list[str] = []
+    with LiveView(Setup("test", psi_Wb=0.1), [web], noted.append, patience_s=20.0) as view:
+        view.add_block(rows(0))
+        with socket.create_server((web.host, 0)) as listening:  # takes connections, and nothing else
+            monkeypatch.setattr(web, "port", listening.getsockname()[1])
+            monkeypatch.setattr(web.process, "poll", lambda: None)
+            web.process.kill()
+            web.process.wait()
+
+            def gone() -> bool:
+                view.add_block(rows(1))
+                return bool(noted)
+
+            _until(gone)
+            for number in range(2, 5):
+                view.add_block(rows(number))
+        monkeypatch.undo()
+    assert len(noted) == 1
+    assert noted[0].startswith("the web viewer is gone")
+
+
 def test_a_connection_that_is_cut_before_it_is_made_holds_up_no_end(
     web: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
