@@ -48,18 +48,30 @@ class _Points:
     response: Complex
     weight: Floats
 
-    def split(self, unknowns: Floats, zeros: int) -> tuple[Complex, Complex, Complex]:
-        """Return numerator, denominator and what these leave in units of the errors, each of shape (n,)."""
+    def split(self, unknowns: Floats, zeros: int) -> _Split:
+        """Return the parts of a ratio at the points."""
         poles = len(unknowns) - zeros - 1
         numerator = self.powers[:, : zeros + 1] @ unknowns[: zeros + 1]
         denominator = 1.0 + self.powers[:, 1 : poles + 1] @ unknowns[zeros + 1 :]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            left = (self.response - numerator / denominator) * self.weight
-        return numerator, denominator, left
+        left = (self.response - numerator / denominator) * self.weight
+        squares = left.real**2 + left.imag**2
+        total = float(np.sum(squares))
+        return _Split(
+            unknowns, numerator, denominator, left, squares, total if total < math.inf else math.inf
+        )
 
-    def squares(self, unknowns: Floats, zeros: int) -> float:
-        total = float(np.sum(np.abs(self.split(unknowns, zeros)[2]) ** 2))
-        return total if math.isfinite(total) else math.inf
+
+@dataclass(frozen=True)
+class _Split:
+    """A ratio of these unknowns at points: numerator, denominator, what it leaves in units of the errors, all
+    of shape (n,), the squares of that, and their sum, infinite where the ratio is not defined."""
+
+    unknowns: Floats
+    numerator: Complex
+    denominator: Complex
+    left: Complex
+    squares: Floats
+    total: float
 
 
 def rational_fit(
@@ -78,60 +90,63 @@ def rational_fit(
     of these on by damped Gauss-Newton steps (Marquardt, J. SIAM 11 (1963) 431).
     """
     points = _Points(powers, response, 1.0 / spread)
-    best, least = np.zeros(zeros + poles + 1), math.inf
+    unknowns = np.zeros(zeros + poles + 1)
     denominators = [np.ones(len(response), dtype=np.complex128)]
-    if begin is not None:
-        best[: len(begin.numerator)] = begin.numerator
-        best[zeros + 1 : zeros + 1 + len(begin.denominator)] = begin.denominator
-        least = points.squares(best, zeros)
-        denominators.append(points.split(best, zeros)[1])
-    for weighting in denominators:
-        denominator = weighting
-        for _ in range(_LINEAR_ROUNDS if poles else 1):
-            weight = points.weight / np.abs(denominator)
-            columns = (powers[:, : zeros + 1], -response[:, np.newaxis] * powers[:, 1 : poles + 1])
-            product, at, size = _normal(np.hstack(columns) * weight[:, np.newaxis], response * weight)
-            found = np.linalg.solve(product, at) / size
-            denominator = points.split(found, zeros)[1]
-            squares = points.squares(found, zeros)
-            if squares < least:
-                best, least = found, squares
-    return _refined(points, best, zeros, poles)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        if begin is not None:
+            unknowns[: len(begin.numerator)] = begin.numerator
+            unknowns[zeros + 1 : zeros + 1 + len(begin.denominator)] = begin.denominator
+        best = points.split(unknowns, zeros)
+        if begin is not None:
+            denominators.append(best.denominator)
+        linear = np.hstack((powers[:, : zeros + 1], -response[:, np.newaxis] * powers[:, 1 : poles + 1]))
+        for weighting in denominators:
+            denominator = weighting
+            for _ in range(_LINEAR_ROUNDS if poles else 1):
+                weight = points.weight / np.abs(denominator)
+                product, at, size = _normal(linear * weight[:, np.newaxis], response * weight)
+                found = points.split(np.linalg.solve(product, at) / size, zeros)
+                denominator = found.denominator
+                if found.total < best.total:
+                    best = found
+        return _refined(points, best, zeros, poles)
 
 
-def _refined(points: _Points, unknowns: Floats, zeros: int, poles: int) -> RationalFit:
-    squares, damping = points.squares(unknowns, zeros), _DAMPING
-    product, at, size = _tangent(points, unknowns, zeros, poles)
+def _refined(points: _Points, best: _Split, zeros: int, poles: int) -> RationalFit:
+    damping = _DAMPING
+    product, at, size = _tangent(points, best, zeros, poles)
     for _ in range(_ROUNDS):
-        before = squares
+        before = best.total
         for _ in range(_TRIES):
             step = np.linalg.solve(product + damping * np.eye(len(at)), at) / size
-            if (found := points.squares(unknowns + step, zeros)) < squares:
-                unknowns, squares, damping = unknowns + step, found, damping * _DAMPED_LESS
+            if (found := points.split(best.unknowns + step, zeros)).total < best.total:
+                best, damping = found, damping * _DAMPED_LESS
                 break
             damping /= _DAMPED_LESS
-        if not squares < before:
+        if not best.total < before:
             break
-        product, at, size = _tangent(points, unknowns, zeros, poles)
-        if before - squares < _SETTLED:
+        product, at, size = _tangent(points, best, zeros, poles)
+        if before - best.total < _SETTLED:
             break
     variance = float(np.linalg.inv(product)[0, 0]) / float(size[0]) ** 2
-    left = np.abs(points.split(unknowns, zeros)[2]) ** 2
-    return RationalFit(unknowns[: zeros + 1], unknowns[zeros + 1 :], variance, left)
+    return RationalFit(best.unknowns[: zeros + 1], best.unknowns[zeros + 1 :], variance, best.squares)
 
 
-def _tangent(points: _Points, unknowns: Floats, zeros: int, poles: int) -> tuple[Floats, Floats, Floats]:
+def _tangent(points: _Points, at: _Split, zeros: int, poles: int) -> tuple[Floats, Floats, Floats]:
     """Return the normal equations of a step from the unknowns, as `_normal`."""
-    numerator, denominator, left = points.split(unknowns, zeros)
-    by_pole = -(numerator / denominator**2)[:, np.newaxis] * points.powers[:, 1 : poles + 1]
-    columns = (points.powers[:, : zeros + 1] / denominator[:, np.newaxis], by_pole)
-    return _normal(np.hstack(columns) * points.weight[:, np.newaxis], left)
+    by_zero = points.weight / at.denominator
+    by_pole = -by_zero * at.numerator / at.denominator
+    columns = np.empty((len(at.left), zeros + 1 + poles), dtype=np.complex128)
+    np.multiply(points.powers[:, : zeros + 1], by_zero[:, np.newaxis], out=columns[:, : zeros + 1])
+    np.multiply(points.powers[:, 1 : poles + 1], by_pole[:, np.newaxis], out=columns[:, zeros + 1 :])
+    return _normal(columns, at.left)
 
 
 def _normal(columns: Complex, values: Complex) -> tuple[Floats, Floats, Floats]:
     """Return the normal equations of real unknowns, of columns of unit length, and their lengths before."""
-    product = np.real(columns.conj().T @ columns)
+    real, imaginary = columns.real, columns.imag
+    product = real.T @ real + imaginary.T @ imaginary
     size = np.sqrt(np.diagonal(product))
     size = np.where(size > 0.0, size, 1.0)
     product = product / np.outer(size, size) + _RIDGE * np.eye(len(size))
-    return product, np.real(values @ columns.conj()) / size, size
+    return product, (values.real @ real + values.imag @ imaginary) / size, size
