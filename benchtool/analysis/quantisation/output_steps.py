@@ -8,6 +8,8 @@ differ by part of a step, and the errors take the place of the output.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
@@ -67,8 +69,10 @@ def errors_of_output_steps(
 def _output(x_bins: Complex, response: Complex, at: NDArray[np.int64], count: int) -> Floats:
     """Return the output, less its mean, that a response at some bins makes of an input."""
     bins, turn = np.arange(len(x_bins)), _turn(response, at)
-    unturned = response * np.exp(-1j * turn * at)
-    between = np.interp(bins, at, unturned.real) + 1j * np.interp(bins, at, unturned.imag)
+    # at zero frequency, bin -1, it is real, and hardly larger than at the lowest
+    known, values = np.append(-1, at), np.append(math.copysign(abs(response[0]), response[0].real), response)
+    unturned = values * np.exp(-1j * turn * known)
+    between = np.interp(bins, known, unturned.real) + 1j * np.interp(bins, known, unturned.imag)
     return fft.irfft(np.concatenate([[0.0], between * np.exp(1j * turn * bins) * x_bins]), count)
 
 

@@ -1,0 +1,42 @@
+"""What the steps of a converter make of a response alike at all frequencies: of outputs that rest at few values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from benchtool.analysis.quantisation.output_steps import errors_of_output_steps
+
+ROWS, REACH = 16_000, 16
+
+
+@pytest.mark.parametrize(("tau_rows", "held_rows", "step"), [(12, 40, 0.09), (9, 32, 0.046), (14, 51, 0.093)])
+def test_the_gain_of_steps_is_that_of_the_lag_s_output(tau_rows: int, held_rows: int, step: float) -> None:
+    """A response is known from a lowest frequency on, below which a lag still turns."""
+    random = np.random.default_rng(3)
+    x = np.repeat(random.choice([-1.0, 1.0], ROWS // held_rows + 1), held_rows)[:ROWS]
+    left = np.exp(-1.0 / tau_rows)
+    y = np.asarray(signal.lfilter([0.0, 1.0 - left], [1.0, -left], x))
+    at = np.arange(REACH, ROWS // 2 - REACH, REACH)
+    later = np.exp(-2j * np.pi * (at + 1) / ROWS)
+    response = (1.0 - left) * later / (1.0 - left * later)
+
+    _, _, found = errors_of_output_steps(x, step * np.round(y / step), response, at)
+
+    sizes = 1.0 + step * np.linspace(-0.5, 0.5, 101)
+    errors = [step * np.round(size * y / step) - size * y for size in sizes]
+    gains = [float(error @ y) / float(y @ y) for error in errors]
+    assert found == pytest.approx(np.sqrt(np.mean(np.square(gains))), rel=0.2)
+
+
+def test_an_output_without_steps_has_none() -> None:
+    random = np.random.default_rng(4)
+    x = random.standard_normal(ROWS)
+    at = np.arange(REACH, ROWS // 2 - REACH, REACH)
+
+    error, alike, gain = errors_of_output_steps(x, 0.5 * x, np.full(len(at), 0.5 + 0.0j), at)
+
+    assert not np.any(error)
+    assert np.all(alike == 1.0)
+    assert gain == 0.0
