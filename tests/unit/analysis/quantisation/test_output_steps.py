@@ -1,4 +1,4 @@
-"""What the steps of a converter make of a response alike at all frequencies: outputs that rest at few values."""
+"""What steps of a converter make of a response alike at all frequencies: outputs that rest at few values."""
 
 from __future__ import annotations
 
