@@ -59,7 +59,8 @@ class Score:
     """How errors of a measurement compare with its uncertainty over the repetitions of a family.
 
     `answered` of `repetitions` gave a number with an uncertainty, the others null with a reason. `within_u`,
-    `within_2u` and `within_U` are shares of these; `rms` is that of error / u, `mean` its mean.
+    `within_2u` and `within_U` are shares of these; `rms` is that of error / u, `mean` its mean, both without
+    numbers that are exact and stated as exact, but for rounding.
     """
 
     family: str
@@ -129,13 +130,14 @@ def _score(
         error[of_ensemble] *= math.sqrt(len(value) / (len(value) - 1.0))
     error[np.abs(error) < _ROUNDING * np.abs(truth)] = 0.0
     relative = error / standard
+    told = relative[(error != 0.0) | (standard >= _ROUNDING * np.abs(truth))]
     return scored(
         len(answers),
         float(np.mean(np.abs(relative) <= 1.0)),
         float(np.mean(np.abs(relative) <= 2.0)),
         float(np.mean(np.abs(error) <= expanded)),
-        float(np.sqrt(np.mean(np.clip(relative, -1e6, 1e6) ** 2))),
-        float(np.mean(relative)),
+        float(np.sqrt(np.mean(np.clip(told, -1e6, 1e6) ** 2))) if len(told) else 0.0,
+        float(np.mean(told)) if len(told) else 0.0,
     )
 
 

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.coverage.families import scores
+from benchmarks.coverage.families import Family, scores
 from benchmarks.coverage.registry import FAMILIES
+from benchtool.analysis import Measurement, Uncertainty
 
 _SPECTRAL = ("current_fundamental", "current_thd_f", "fundamental_frequency", "harmonic_5", "torque_mean")
 
@@ -117,3 +118,23 @@ def test_what_a_sensor_took_off_is_within_its_uncertainty(name: str) -> None:
         assert found[measurement].answered == 6
         assert found[measurement].rms < 1.4, found[measurement]
         assert found[measurement].verdict != "narrow", found[measurement]
+
+
+def test_numbers_that_are_exact_do_not_make_the_others_wide() -> None:
+    """Nine of ten are known but for rounding, and stated so; one errs by as much as it says."""
+
+    def trial(random: np.random.Generator) -> list[tuple[Measurement, float]]:
+        rounding = random.uniform() < 0.9
+        u = Uncertainty(1e-11 if rounding else 1e-3, "scatter")
+        error = 1e-13 if rounding else float(random.choice([-1e-3, 1e-3]))
+        return [(Measurement("frequency", 20.0 + error, "Hz", "as drawn", uncertainty=u), 20.0)]
+
+    (found,) = scores(Family("exact", trial), 40)
+    assert found.verdict == "holds"
+    assert found.rms == pytest.approx(1.0)
+
+
+def test_an_exact_number_with_an_uncertainty_is_wide() -> None:
+    wide = Measurement("frequency", 20.0, "Hz", "as drawn", uncertainty=Uncertainty(1e-3, "scatter"))
+    (found,) = scores(Family("wide", lambda _: [(wide, 20.0 + 1e-4)]), 40)
+    assert found.verdict == "wide"
