@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
-from benchmarks.coverage.noise import Kind as OfNoise, coloured, converted, noise_of
+from benchmarks.coverage.noise import OF_RANGE, Kind as OfNoise, coloured, converted, noise_of
 from benchtool.analysis import (
     Measurement,
     current_spectrum,
@@ -102,8 +102,8 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     if what.backwards:
         psi = np.conj(psi)
     if what.bits:
-        step = 2.2 * RADIUS_WB / 2**what.bits
-        psi = converted(psi.real, step, random) + 1j * converted(psi.imag, step, random)
+        step = 2.2 * RADIUS_WB / 2**what.bits * random.uniform(1.0 - OF_RANGE, 1.0 + OF_RANGE)
+        psi = converted(psi.real, step, random, 0.0) + 1j * converted(psi.imag, step, random, 0.0)
     block = Block.from_arrays(
         RATE_HZ, {"psi_alpha": "Wb", "psi_beta": "Wb"}, psi_alpha=psi.real, psi_beta=psi.imag
     )

@@ -15,6 +15,8 @@ Kind = Literal[
     "pink_and_white", "skewed", "mixed_tails",
 ]  # fmt: skip
 
+OF_RANGE = 0.07  # of a converter, relative
+
 
 def noise_of(kind: Kind, random: np.random.Generator, count: int) -> Floats:
     """Return noise of unit rms, shape (count,)."""
@@ -122,7 +124,14 @@ def fractional(random: np.random.Generator, count: int) -> Floats:
     return np.asarray(noise * (math.gamma(1.0 - d) / math.sqrt(math.gamma(1.0 - 2.0 * d))))
 
 
-def converted(values: Floats, step: float, random: np.random.Generator) -> Floats:
-    """Return the values as a converter gives them, whose offset puts its levels anywhere."""
+def converted(
+    values: Floats, step: float, random: np.random.Generator, tolerance: float = OF_RANGE
+) -> Floats:
+    """Return the values as a converter gives them, whose offset puts its levels anywhere.
+
+    What its steps do to one waveform depends on the waveform's size in steps: its range is within a
+    tolerance.
+    """
+    step *= random.uniform(1.0 - tolerance, 1.0 + tolerance)
     offset = step * random.uniform(-0.5, 0.5)
     return np.asarray(np.round((values - offset) / step) * step + offset)
