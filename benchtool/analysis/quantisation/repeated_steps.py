@@ -28,6 +28,7 @@ _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
+_OF_STEPS = 1.25  # times the power that steps add on average: of one waveform it is another
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
 _OF_PLACES = 2  # times as many where some of them count more than others
@@ -396,7 +397,7 @@ def _stay(turns: Floats, places: int) -> bool:
 def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
-    weak = order[np.cumsum(power[order]) <= step**2 / 12.0]
+    weak = order[np.cumsum(power[order]) <= _OF_STEPS * step**2 / 12.0]
     kept = phasors.copy()
     kept[weak] = 0.0
     return kept

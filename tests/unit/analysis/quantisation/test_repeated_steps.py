@@ -218,3 +218,20 @@ def test_a_waveform_that_rests_is_read_wrong_by_the_same_at_all_its_places() -> 
     found = repeated_steps(0.0, phasors, step, 0.0, period * 40.0, 40)
     assert found is not None
     assert found.of_mean(np.r_[np.full(256, 2.0), np.zeros(256)]) > 0.5 * step / np.sqrt(12.0)
+
+
+def test_lines_that_steps_make_are_none_of_the_waveform() -> None:
+    """Of two lines read in 500 places: the power that steps add to one waveform is more than usual or less."""
+    random = np.random.default_rng(5)
+    theta = 2.0 * np.pi * np.arange(500) / 500
+    for _ in range(40):
+        turn, size, level = random.uniform(0.0, 2.0 * np.pi, 2), random.uniform(0.93, 1.07), random.uniform()
+        read = np.round(
+            level + size * (6.4 * np.cos(6.0 * theta + turn[0]) + 3.2 * np.cos(3.0 * theta + turn[1]))
+        )
+        phasors = np.fft.rfft(read)[1:] * (2.0 / 500)
+        phasors[-1] *= 0.5
+        found = repeated_steps(float(np.mean(read)), phasors, 1.0, 0.0, 500.0 * 40.0, 40)
+        assert found is not None
+        lines = np.abs(np.fft.rfft(found.waveform))[1:] / 250.0
+        assert set(np.flatnonzero(lines > 1e-6) + 1) == {3, 6}
