@@ -221,7 +221,7 @@ def test_a_waveform_that_rests_is_read_wrong_by_the_same_at_all_its_places() -> 
 
 
 def test_lines_that_steps_make_are_none_of_the_waveform() -> None:
-    """Of two lines read in 500 places: the power that steps add to one waveform is more than usual or less."""
+    """The power that steps add to one waveform is more than usual, or less."""
     random = np.random.default_rng(5)
     theta = 2.0 * np.pi * np.arange(500) / 500
     for _ in range(40):
