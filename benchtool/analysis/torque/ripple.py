@@ -170,7 +170,7 @@ def _without_periods(
     if marks is None:
         return no_periods or "no angle, current or stated speed tells periods, whose scatter would tell it"
     return (
-        f"the record has {len(marks) - 1} whole {repeated}, at least {FEWEST_PERIODS} are needed for their "
+        f"of whole {repeated} the record has {len(marks) - 1}, at least {FEWEST_PERIODS} are needed for the "
         f"scatter: record longer"
     )
 
