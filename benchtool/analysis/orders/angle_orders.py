@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
+from benchtool.analysis.orders.between_orders import (
+    FEWEST_REVOLUTIONS as FEWEST_BETWEEN,
+    noise_between_orders,
+)
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 
@@ -29,8 +33,8 @@ class AngleFit:
     """Orders 1 to K: `coefficient`, complex, shape (K,), is half the peak amplitude, with the phase.
 
     `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`; `noise`
-    is the part of it that noise has, an estimate of `noise_dof` degrees of freedom. `left_rms` is what the
-    fit does not explain.
+    is the part of it that noise has, an estimate of `noise_dof` degrees of freedom, shape (K,): nan where the
+    angles do not tell it. `left_rms` is what the fit does not explain.
     """
 
     coefficient: NDArray[np.complex128]
@@ -39,7 +43,7 @@ class AngleFit:
     mean: float
     left_rms: float
     noise: NDArray[np.float64]
-    noise_dof: float
+    noise_dof: NDArray[np.float64]
 
 
 def fit_orders(
@@ -57,7 +61,7 @@ def fit_orders(
 
     The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
     correlation within a revolution (the sandwich formula, clustered by revolution); with fewer it is the
-    noise about the fit, taken as white.
+    noise between the orders (`noise_between_orders`), and of hardly more than one there is none.
 
     Args:
         coverage: the angle.
@@ -97,21 +101,27 @@ def fit_orders(
     towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
     revolutions = len(scores)
     power = max(0.0, float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0)))))
-    if revolutions >= _FEWEST_REVOLUTIONS:
+    if coverage.revolutions >= _FEWEST_REVOLUTIONS:
+        # one that is not complete counts as the part that it is
+        alike = 1.0 / float(np.sum(np.real(sums[:, 0]) ** 2))
         shift = cho_solve(factor, scores.T)[order + 1 :]
         turned = np.conj(towards)[:, np.newaxis] * shift
         along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
-        freedom = revolutions - 1.0
-        noise = standard = 2.0 * np.sqrt(revolutions / freedom * along2)
+        freedom = np.full(order, alike - 1.0)
+        noise = standard = 2.0 * np.sqrt(alike / freedom * along2)
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
             standard = np.hypot(standard, _lost(coefficient, along2, across2, revolutions))
             source += ", and what a phase that wanders takes off it"
     else:
-        freedom = max(1.0, 1.0 / float(weights @ weights) - (2 * order + 1))
-        noise = standard = np.full(order, math.sqrt(2.0 * power / freedom))
-        source = "noise about the fit, taken as white: with fewer than 4 revolutions none from their scatter"
+        source = "noise halfway between the orders: with fewer than 4 revolutions none from their scatter"
+        noise = standard = freedom = np.full(order, math.nan)
+        if coverage.revolutions >= FEWEST_BETWEEN:
+            left = _between(coverage, weights, values, solution)
+            between = cho_solve(factor, left)[order:]
+            noise, freedom = noise_between_orders(coefficient, between, coverage.revolutions)
+            standard = noise
     mean = float(np.real(solution[order]))
     return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom)
 
@@ -159,10 +169,31 @@ def _resolved(coverage: AngleCoverage) -> int:
     return math.floor(min(limit, 1e9))
 
 
+def _between(
+    coverage: AngleCoverage,
+    weights: NDArray[np.float64],
+    values: NDArray[np.float64],
+    solution: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
+    """Return sums of w (x - fit) exp(-1j (m + 1/2) angle), m = -K ... K, shape (2 K + 1,), for unknowns of
+    orders -K ... K."""
+    order = len(solution) // 2
+    sums, products = (each.sum(axis=0) for each in _sums(coverage, weights, values, order, 0.5))
+    full, of_weights = (
+        np.concatenate([np.conj(each[::-1]), each]) for each in (products, sums)
+    )  # from -K - 1/2 and -2 K - 1/2
+    return np.asarray((full - np.convolve(of_weights, solution, "valid"))[1:])
+
+
 def _sums(
-    coverage: AngleCoverage, weights: NDArray[np.float64], values: NDArray[np.float64], order: int
+    coverage: AngleCoverage,
+    weights: NDArray[np.float64],
+    values: NDArray[np.float64],
+    order: int,
+    first: float = 0.0,
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Return sums of w exp(-1j m angle), m = 0 ... 2 `order`, and of w x exp(-1j m angle), m = 0 ... `order`.
+    """Return sums of w exp(-1j m angle), m = f ... f + 2 `order`, and of w x exp(-1j m angle), m = f ... f +
+    `order`, with the `first` order f.
 
     A row for each revolution, or for each group of them where they are many.
     """
@@ -180,6 +211,8 @@ def _sums(
             piece = in_order[begin : min(begin + _PIECE, bounds[row + 1])]
             filled = powers[:, : len(piece)]
             _raise(np.exp(-1j * coverage.angle_rad[piece]), filled)
+            if first:
+                filled *= np.exp(-1j * first * coverage.angle_rad[piece])
             # not a matrix product, whose threads cost more than they save on pieces of this size
             sums[row] += np.vecdot(weights[piece], filled)
             products[row] += np.vecdot(weighted[piece], filled[: order + 1])

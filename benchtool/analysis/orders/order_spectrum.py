@@ -308,7 +308,7 @@ def fitted_orders(
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
     wanders2 = np.maximum(0.0, fit.standard**2 - fit.noise**2) / low**2
     others = np.sqrt(by_steps**2 + wanders2 + lost**2 + beside**2)
-    dof = np.full(count, fit.noise_dof)
+    dof = fit.noise_dof
     return OrderSpectrum(
         signal=signal,
         unit=unit,

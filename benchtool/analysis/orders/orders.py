@@ -47,6 +47,7 @@ _NEARLY_ALL = 1.4  # half of a variance
 _FEWEST_TO_REPEAT, _TURNED_BACK = 4, 0.1  # revolutions
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 _NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
+_NOT_TOLD = "too few revolutions to tell noise from the orders: record two at least"
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" has no meaning
 
 
@@ -266,6 +267,8 @@ def _largest(
 
 def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
     """Return why it is not known which order is the largest; empty where it is."""
+    if not np.any(np.isfinite(spectrum.standard)):
+        return _NOT_TOLD
     if not standing_out:
         return "no order stands out of the noise"
     largest = int(spectrum.largest[0])
@@ -293,8 +296,12 @@ def _amplitude(
         )
         return Measurement.undefined(name, spectrum.unit, text, reason, spectrum.basis)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    own = Sensitivities.of_line(spectrum.signal, value)
-    return Measurement(name, value, spectrum.unit, text, _at(spectrum, order), uncertain, sensitivities=own)
+    own, basis = Sensitivities.of_line(spectrum.signal, value), _at(spectrum, order)
+    if not math.isfinite(uncertain.standard):
+        return Measurement(
+            name, value, spectrum.unit, text, basis, uncertainty_reason=_NOT_TOLD, sensitivities=own
+        )
+    return Measurement(name, value, spectrum.unit, text, basis, uncertain, sensitivities=own)
 
 
 def _at(spectrum: OrderSpectrum, order: int) -> Basis:

@@ -99,6 +99,22 @@ def _lost(
     return np.asarray(amplitude * np.minimum(1.0, 0.5 * variance))
 
 
+def experimental_noise_of_pairs(
+    sums: NDArray[np.complex128], inside: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return the experimental standard deviation of one component, as `noise_of_pairs` but without what is
+    added because it is of few degrees of freedom, two of each pair."""
+    of_few = np.array([_of_few(int(each)) for each in np.count_nonzero(inside, axis=1)])
+    return np.asarray(noise_of_pairs(sums, inside) / of_few)
+
+
+def _of_few(pairs: int) -> float:
+    """Return by what the standard uncertainty of noise exceeds its experimental deviation."""
+    if pairs == 1:
+        return _OF_ONE_PAIR
+    return students_deviation(2.0 * pairs) if 1 < pairs < PAIRS else 1.0
+
+
 def noise_of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
     pairs)."""
@@ -121,10 +137,9 @@ def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
     pairs = power.shape[1]
     middle = np.median(power, axis=1) / median_of_exponentials(pairs)
     nearest = np.mean(power[:, :_NEAREST], axis=1)
-    if pairs == 1:
-        return np.asarray(nearest * _OF_ONE_PAIR**2)
     if pairs < PAIRS:
-        return np.asarray(np.maximum(nearest, middle) * students_deviation(2.0 * pairs) ** 2)
+        larger = nearest if pairs == 1 else np.maximum(nearest, middle)
+        return np.asarray(larger * _of_few(pairs) ** 2)
     beyond = np.median(power[:, _NEAREST:], axis=1) / median_of_exponentials(pairs - _NEAREST)
     rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
     risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)

@@ -1,0 +1,48 @@
+"""Families of few revolutions at uneven times, with orders along the angle alone, in coloured noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.noise import coloured
+from benchtool.analysis import Measurement
+from benchtool.analysis.orders.angle import angle_coverage
+from benchtool.analysis.orders.order_spectrum import fitted_orders
+from benchtool.analysis.orders.orders import describe_orders
+
+MEAN_NM, ROWS_PER_TURN = 1.8, 600
+
+
+@dataclass(frozen=True)
+class FewTurns:
+    """A torque with orders 1, 6 and 36 over few revolutions, and noise behind a low-pass with a pole."""
+
+    revolutions: float = 2.1
+    pole: float = 0.0
+    noise_Nm: float = 0.02
+
+
+def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+    count = round(what.revolutions * ROWS_PER_TURN)
+    turned = np.cumsum(random.uniform(0.4, 1.6, count))
+    turned *= 2 * np.pi * what.revolutions / turned[-1]
+    angle = turned + random.uniform(0, 2 * np.pi)
+    orders = {1: 0.05, 6: 0.1, 36: 0.02}
+    torque = MEAN_NM + what.noise_Nm * coloured(random.standard_normal(count), what.pole)
+    for order, amplitude in orders.items():
+        torque += amplitude * np.cos(order * angle + order)
+    spectrum = fitted_orders(angle_coverage(angle), torque, "torque", "Nm")
+    found = describe_orders(spectrum, "torque", orders=sorted(orders)).measurements
+    yield from selected(found, {f"torque_order_{order}": size for order, size in orders.items()})
+
+
+FEW_TURNS: Mapping[str, FewTurns] = {
+    "turns_two_uneven": FewTurns(),
+    "turns_two_uneven_coloured": FewTurns(pole=0.97),
+    "turns_three_uneven_coloured": FewTurns(revolutions=3.3, pole=0.9),
+}
+FAMILIES = families_of(_trial, FEW_TURNS)
