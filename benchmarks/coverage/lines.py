@@ -52,7 +52,10 @@ def _trial(what: Changing, random: np.random.Generator) -> Iterator[tuple[Measur
     torque = 1.8 + size * np.cos(phase + turned) + what.noise * noise_of(what.kind, random, count)
     bins, share = what.beside
     torque += share * LINE_NM * np.cos(phase + 2 * np.pi * bins * at + begin[3])
-    truths = {"torque_line_frequency": middle_Hz}
+    # a swing of few cycles turns it on or back from begin to end
+    whole = phase + turned if what.swing[1] < _FEW_CYCLES else phase
+    mean_Hz = float(whole[-1] - whole[0]) / (2 * np.pi) * RATE_HZ / (count - 1)
+    truths = {"torque_line_frequency": mean_Hz}
     if what.walk_rad:
         truths = {"torque_line_amplitude": LINE_NM}
     elif not (what.decay < math.inf or what.begins or what.step):
@@ -61,6 +64,7 @@ def _trial(what: Changing, random: np.random.Generator) -> Iterator[tuple[Measur
     yield from selected(spectral_lines(block, "torque").measurements, truths)
 
 
+_FEW_CYCLES = 2.0
 _STEADY = Changing()
 LINES: Mapping[str, Changing] = {
     "line_in_pink": replace(_STEADY, kind="pink", noise=0.03),
@@ -69,6 +73,8 @@ LINES: Mapping[str, Changing] = {
     "line_drifts": replace(_STEADY, drift_bins=6.3),
     "line_drifts_little": replace(_STEADY, drift_bins=0.7, noise=2e-3),
     "line_swings_slowly": replace(_STEADY, swing=(0.5, 1.3)),
+    "line_swings_hidden": replace(_STEADY, swing=(0.3, 0.8), noise=0.05),
+    "line_swings_once": replace(_STEADY, swing=(0.3, 1.3), noise=0.05),
     "line_swings_fast": replace(_STEADY, swing=(0.3, 17.4), noise=2e-3),
     "line_wanders": replace(_STEADY, walk_rad=3.0),
     "line_breathes_once": replace(_STEADY, breath=(0.3, 1.0)),

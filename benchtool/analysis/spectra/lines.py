@@ -23,6 +23,7 @@ from benchtool.analysis.spectra.around_lines import (
     interpolated,
     surrounded,
 )
+from benchtool.analysis.spectra.line_course import along_course
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
@@ -156,7 +157,8 @@ def sinusoids_of(samples: Floats) -> list[Line]:
     size, step = np.abs(bins), counting_step(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
-    return _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])
+    found = _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])
+    return [along_course(samples, bins, each, found[1:]) for each in found[:1]] + found[1:]
 
 
 def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:

@@ -34,6 +34,7 @@ _BESIDE = MAIN_LOBE + 1  # bins of the fit on either side of its lines
 _BY_CHANCE, _DOUBTED = 1e-4, 0.05  # of a steady line
 _EXPLAINED, _FILLED = 0.05, 0.2  # of another model; of a steady line in a band of noise
 _STANDS_OUT, _WIDEST = 5.0, 24  # of the noise; bins on either side of a line that changes
+_MIRRORED, _ALIKE = 0.7, 2.0  # bins; a ratio of amplitudes
 _MOST_MORE, _APART, _TELLS = 2, 1.0, 0.5  # further lines that are no maxima; bins
 _MOST_CHANGE = 2.0  # of an amplitude, of which the mean is stated
 
@@ -50,7 +51,8 @@ class Line:
 
     `noise` is the rms amplitude of noise in a bin there, `far` that further away. `reason` tells why place
     and amplitude are unknown, `of_mean` why the amplitude alone is, `unsure` why its uncertainty is. `width`
-    are the bins on either side that belong to a line that changes.
+    are the bins on either side that belong to a line that changes. `is_one` tells that one line explains its
+    bins, and two that beat do not.
     """
 
     place: float
@@ -63,6 +65,7 @@ class Line:
     of_mean: str = ""
     unsure: str = ""
     width: float = 0.0
+    is_one: bool = False
 
 
 def examined(bins: Complexes, count: int, line: Line, lines: Sequence[Line]) -> Line:
@@ -78,14 +81,14 @@ def examined(bins: Complexes, count: int, line: Line, lines: Sequence[Line]) -> 
     start = _started(clean, number, at, count)
     together = fitted(steady(number, count), start, clean, number, line.far)
     if together is not None and together.by_chance > _BY_CHANCE:
-        found = line if len(near) == 1 else _of_steady(line, together)
+        found = replace(line, is_one=True) if len(near) == 1 else _of_steady(line, together)
         return found if together.by_chance > _DOUBTED else _doubted(found, number, count, clean)
     changed = _changing(bins, count, line, lines, number, clean)
     if changed is not None:
         return changed
     more = _with_more(together, number, count, clean, line)
     if more is not None:
-        return more
+        return replace(more, is_one=more.is_one and len(near) == 1)
     if len(near) == 1:
         pair = pair_of(clean, number, count, line.place, line.far)
         if pair.by_chance > _EXPLAINED and pair.of_amplitude < _TELLS * pair.amplitude:
@@ -203,7 +206,7 @@ def _changing(
         fit = fitted(changing(within, count, shape), start, measured, within, line.far)
         if fit is None or fit.by_chance < _EXPLAINED or abs(fit.unknowns[2] - middle) > width:
             continue
-        found = _of_course(line, fit, shape)
+        found = replace(_of_course(line, fit, shape), is_one=len(near) == 1)
         return replace(_or_pair(found, measured, within, count), width=width)
     return None
 
@@ -218,6 +221,7 @@ def _or_pair(line: Line, measured: Complexes, number: Integers, count: int) -> L
         line,
         of_place=math.hypot(line.of_place, pair.place - line.place, pair.of_place),
         of_amplitude=math.hypot(line.of_amplitude, pair.amplitude - line.amplitude, pair.of_amplitude),
+        is_one=False,
     )
 
 
@@ -271,5 +275,18 @@ def _with_more(
         fit = fitted(steady(number, count), _started(clean, number, at, count), clean, number, line.far)
         if fit is not None and fit.by_chance > _EXPLAINED:
             apart = np.diff(np.sort(fit.unknowns[2::3]))
-            return _largest_of(line, fit) if np.min(apart) > _APART else None
+            found = _largest_of(line, fit) if np.min(apart) > _APART else None
+            return found and replace(found, is_one=_swings(found, fit))
     return None
+
+
+def _swings(line: Line, fit: Fit) -> bool:
+    """Return whether the largest two lines beside one are alike, and as far on either side, as where its
+    phase swings."""
+    real, imaginary, place = fit.unknowns.reshape(-1, 3).T
+    size = np.hypot(real, imaginary)
+    beside = np.argsort(-size)[1:3]
+    apart, size = place[beside] - line.place, size[beside]
+    return (
+        len(beside) == 2 and abs(float(apart[0] + apart[1])) < _MIRRORED and float(size[0] / size[1]) < _ALIKE
+    )
