@@ -14,24 +14,26 @@ from benchtool.analysis.orders.angle import angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders
 from benchtool.analysis.orders.orders import describe_orders
 
-MEAN_NM, ROWS_PER_TURN = 1.8, 600
+MEAN_NM = 1.8
 
 
 @dataclass(frozen=True)
 class FewTurns:
-    """A torque with orders 1, 6 and 36 over few revolutions, and noise behind a low-pass with a pole."""
+    """A torque with orders 1, 6 and 15 over few revolutions, and noise behind a low-pass with a pole."""
 
     revolutions: float = 2.1
     pole: float = 0.0
     noise_Nm: float = 0.02
+    rows_per_turn: float = 600.0
+    uneven: float = 0.6  # of the way from row to row
 
 
 def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
-    count = round(what.revolutions * ROWS_PER_TURN)
-    turned = np.cumsum(random.uniform(0.4, 1.6, count))
+    count = round(what.revolutions * what.rows_per_turn)
+    turned = np.cumsum(random.uniform(1.0 - what.uneven, 1.0 + what.uneven, count))
     turned *= 2 * np.pi * what.revolutions / turned[-1]
     angle = turned + random.uniform(0, 2 * np.pi)
-    orders = {1: 0.05, 6: 0.1, 36: 0.02}
+    orders = {1: 0.05, 6: 0.1, 15: 0.02}
     torque = MEAN_NM + what.noise_Nm * coloured(random.standard_normal(count), what.pole)
     for order, amplitude in orders.items():
         torque += amplitude * np.cos(order * angle + order)
@@ -43,6 +45,8 @@ def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measur
 FEW_TURNS: Mapping[str, FewTurns] = {
     "turns_two_uneven": FewTurns(),
     "turns_two_uneven_coloured": FewTurns(pole=0.97),
+    "turns_six_few_rows": FewTurns(revolutions=6.3, rows_per_turn=58.7, uneven=0.0),
+    "turns_twelve_few_rows": FewTurns(revolutions=12.2, pole=0.9, rows_per_turn=58.7, uneven=0.0),
     "turns_three_uneven_coloured": FewTurns(revolutions=3.3, pole=0.9),
 }
 FAMILIES = families_of(_trial, FEW_TURNS)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.orders.between_orders import (
     FEWEST_REVOLUTIONS as FEWEST_BETWEEN,
+    fitted_share,
     noise_between_orders,
 )
 from benchtool.analysis.validity import require_signal
@@ -101,14 +102,16 @@ def fit_orders(
     towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
     revolutions = len(scores)
     power = max(0.0, float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0)))))
+    fitted = (2 * order + 1) * float(weights @ weights)  # share of white noise that the unknowns take along
     if coverage.revolutions >= _FEWEST_REVOLUTIONS:
         # one that is not complete counts as the part that it is
         alike = 1.0 / float(np.sum(np.real(sums[:, 0]) ** 2))
         shift = cho_solve(factor, scores.T)[order + 1 :]
         turned = np.conj(towards)[:, np.newaxis] * shift
         along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
-        freedom = np.full(order, alike - 1.0)
-        noise = standard = 2.0 * np.sqrt(alike / freedom * along2)
+        left = 1.0 - max(1.0 / alike, fitted)
+        freedom = np.full(order, max(1.0, alike * left))
+        noise = standard = 2.0 * np.sqrt(along2 / left)
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
@@ -118,9 +121,11 @@ def fit_orders(
         source = "noise halfway between the orders: with fewer than 4 revolutions none from their scatter"
         noise = standard = freedom = np.full(order, math.nan)
         if coverage.revolutions >= FEWEST_BETWEEN:
-            left = _between(coverage, weights, values, solution)
-            between = cho_solve(factor, left)[order:]
-            noise, freedom = noise_between_orders(coefficient, between, coverage.revolutions)
+            between = cho_solve(factor, _between(coverage, weights, values, solution))[order:]
+            of_whole = 1.0 / coverage.revolutions  # what is at whole orders, of white noise
+            beyond = (fitted - of_whole) / (1.0 - of_whole)
+            share = max(beyond, fitted_share(coverage.revolutions))
+            noise, freedom = noise_between_orders(coefficient, between, share)
             standard = noise
     mean = float(np.real(solution[order]))
     return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom)

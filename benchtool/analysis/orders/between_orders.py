@@ -14,7 +14,7 @@ FEWEST_REVOLUTIONS = 1.9
 
 
 def noise_between_orders(
-    coefficient: NDArray[np.complex128], between: NDArray[np.complex128], revolutions: float
+    coefficient: NDArray[np.complex128], between: NDArray[np.complex128], share: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the experimental standard uncertainty of peak amplitudes by noise, and its degrees of freedom,
     both of shape (K,).
@@ -26,7 +26,7 @@ def noise_between_orders(
     Args:
         coefficient: of orders 1 to K, shape (K,): half the peak amplitude.
         between: coefficients of what the fit left, at orders 1/2, 3/2 ... K + 1/2, shape (K + 1,).
-        revolutions: those that the angle covers, at least 1.9.
+        share: what the fit of whole orders has taken along of the power of white noise between them.
     """
     highest = len(coefficient)
     orders, steps = np.arange(1, highest + 1)[:, np.newaxis], np.arange(PAIRS)
@@ -40,11 +40,11 @@ def noise_between_orders(
     towards = np.conj(coefficient) / np.where(size > 0.0, size, 1.0)
     towards = np.where(size > 0.0, towards, 1.0)[:, np.newaxis]
     together = above * towards + np.conj(below * towards)
-    noise = 2.0 * experimental_noise_of_pairs(together, inside) / math.sqrt(1.0 - _fitted_share(revolutions))
+    noise = 2.0 * experimental_noise_of_pairs(together, inside) / math.sqrt(1.0 - share)
     return noise, 2.0 * np.count_nonzero(inside, axis=1)
 
 
-def _fitted_share(revolutions: float) -> float:
+def fitted_share(revolutions: float) -> float:
     """Return the share of white noise, halfway between whole orders, that a fit of them all takes along: the
     sum of the responses sinc^2(R (l + 1/2)) of all orders l to what is there, in R evenly covered
     revolutions."""

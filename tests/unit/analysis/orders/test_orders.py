@@ -135,6 +135,18 @@ def test_the_uncertainty_of_few_revolutions_covers_the_truth_in_coloured_noise(r
     assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
 
 
+@pytest.mark.parametrize("revolutions", [6.3, 12.2])
+def test_orders_that_take_along_half_of_the_rows_leave_less_scatter(revolutions: float) -> None:
+    errors = []
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        angle = np.linspace(0.0, TURN * revolutions, int(60 * revolutions)) + random.uniform(0.0, TURN)
+        values = np.cos(6 * angle) + 0.02 * random.standard_normal(len(angle))
+        spectrum = fitted(angle, values)
+        errors.append((spectrum.amplitude[5] - 1.0) / spectrum.standard[5])
+    assert 0.7 < float(np.sqrt(np.mean(np.square(errors)))) < 1.25
+
+
 def test_of_hardly_more_than_one_revolution_no_order_has_an_uncertainty() -> None:
     angle = uneven_angle(1.4, 900)
     values = torque_at(angle) + 0.1 * np.random.default_rng(6).normal(size=len(angle))
