@@ -19,9 +19,9 @@ _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever 
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
-_WANDERS, _ALONE = 0.5, 0.8  # probability of a random walk; by one piece, of fewer frequencies
+_WANDERS, _LATE = 0.4, 0.25  # probability of a random walk; of a signal that is at rest late, if at all
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
-_GROWS = 0.8  # of what it moves by in a half or a quarter of the time; a walk 1.4 and 2 times, but for chance
+_GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk 1.4 and 2 times, but for chance
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST, _FEWEST_AT_REST = 20, 64  # samples of a slope; whose lowest frequencies tell a walk
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
@@ -63,7 +63,12 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     no whole periods, but within a longer time it moves by less. It is what the signal does about its
     reference, which may move too, as that of an inner loop. Where it `drifts`, that is about one slope of
     both, as a drift goes on.
+
+    A walk may keep a signal from its level for so long that few samples are at rest: the later half of the
+    record stands for them then.
     """
+    is_late = len(at_rest) < _FEWEST_AT_REST
+    at_rest = step.y_clear[len(step.y) // 2 :] if is_late else at_rest
     about = (step.y_before - step.r_before, at_rest - step.r[len(step.r) - len(at_rest) :])
     pieces = [each for each in about if len(each) >= _FEWEST_AT_REST]
     if drifts:
@@ -81,7 +86,7 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     if noise is None or noise.rise < _SHOWS:
         return ""
     probability = walk_probability(pieces)
-    if probability is None or probability < (_WANDERS if len(pieces) > 1 else _ALONE):
+    if probability is None or probability < (_LATE if is_late else _WANDERS):
         return ""
     return (
         f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "

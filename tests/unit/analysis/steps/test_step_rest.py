@@ -144,3 +144,10 @@ def test_rest_after_a_pulse_is_counted_from_its_fall() -> None:
         found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
         answered += found["rise_time"].uncertainty is not None
     assert answered >= 11
+
+
+def test_a_walk_that_leaves_an_answer_no_rest_is_told_by_the_later_half() -> None:
+    random = np.random.default_rng(55)
+    noise = 2e-3 * random.standard_normal(1500) + np.cumsum(6e-4 * random.standard_normal(1500))
+    found = _found(_lag(1500, 20.0) + noise)
+    assert all("wanders" in each.reason for each in found.values())
