@@ -203,7 +203,9 @@ class NoisyCurve:
         share = 0.5 + 0.5 * least_odds((1.0 + as_high) / (1.0 + len(highest)))
         # anywhere between both, evenly, and which of both
         between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
-        of_noise = math.hypot(float(np.std(highest, ddof=1)), between_both)
+        # a crest may be at the greatest alone, and has the noise of one row
+        of_row = max(float(np.std(highest, ddof=1)), float(self.standard[begin + int(np.argmax(values))]))
+        of_noise = math.hypot(of_row, between_both)
         bias = share * bias + (1.0 - share) * as_it_is
         return greatest + between - bias, math.hypot(of_noise, unknown)
 

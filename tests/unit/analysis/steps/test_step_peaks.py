@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from benchtool.analysis import Measurement, analyze_step
 from benchtool.analysis.steps.corners import corner_near
@@ -181,3 +182,17 @@ def test_windows_do_to_a_trough_what_they_do_to_a_peak() -> None:
     lower, later = NoisyCurve(-sharp, np.empty((0, 61)), longer=-blunt).against(-1.0).blunted()
     assert lower == pytest.approx(0.1)
     assert later == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("height", [1.5, 2.5, 4.0])
+def test_a_low_crest_beside_a_plateau_has_the_noise_of_its_rows(height: float) -> None:
+    """As high as the noise makes the plateau, which the greatest value is therefore taken to be part of."""
+    random, row = np.random.default_rng(3), np.arange(1000.0)
+    course = height * np.exp(-0.5 * ((row - 80.0) / 25.0) ** 2)
+    relative = []
+    for _ in range(30):
+        noise = ndimage.gaussian_filter1d(random.standard_normal((81, 1100)), 8.0, axis=1)[:, 50:-50]
+        noise /= np.std(noise)
+        found, standard = NoisyCurve(course + noise[0], noise[1:]).greatest()
+        relative.append((found - height) / standard)
+    assert float(np.mean(np.abs(relative) <= 2.0)) >= 0.9
