@@ -19,7 +19,7 @@ _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever 
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
-_WANDERS, _LATE = 0.4, 0.25  # probability of a random walk; of a signal that is at rest late, if at all
+_WANDERS, _LATE, _FEW = 0.4, 0.25, 0.5  # probability of a walk; of a signal at rest late, and for few rows
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
 _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk mostly 1.4 and 2 times
 _LONG = 6  # parts of a record that Allan's variance is of
@@ -65,13 +65,17 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     both, as a drift goes on.
 
     A walk may keep a signal from its level for so long that few samples are at rest: the later half of the
-    record stands for them then.
+    record stands for them then. Where those before the step are few as well, slow noise of any kind moves
+    more than both show, and a line or hum of which they hold no whole period is slow noise too.
     """
-    is_late = len(at_rest) < _FEWEST_AT_REST
-    at_rest = step.y_clear[len(step.y) // 2 :] if is_late else at_rest
+    is_late, is_short = (len(each) < _FEWEST_AT_REST for each in (at_rest, step.y_before))
+    has_few = is_late and is_short
+    least = _FEWEST if is_short else _FEWEST_AT_REST
+    if is_late and not is_short:
+        at_rest = step.y_clear[len(step.y) // 2 :]
     about = (step.y_before - step.r_before, at_rest - step.r[len(step.r) - len(at_rest) :])
-    pieces = [each for each in about if len(each) >= _FEWEST_AT_REST]
-    if drifts:
+    pieces = [each for each in about if len(each) >= least]
+    if drifts and not has_few:
         pieces = _about_one_slope(pieces)
     if not pieces:
         return ""
@@ -79,14 +83,14 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     size = len(longest) // _LONG
     wander, *shorter = (math.sqrt(_allan_variance(longest, max(1, size // each))) for each in (1, 2, 4))
     # twice the settling time after a step an exponential decay has left the square of what settling tolerates
-    if wander < max(_TOLERATED**2 * step.height, _GROWS * max(shorter)):
+    if wander < max(_TOLERATED**2 * step.height, 0.0 if has_few else _GROWS * max(shorter)):
         return ""
     # what only follows the step is how the answer creeps to its level
-    noise = slow_noise(pieces[0]) if len(step.y_before) >= _FEWEST_AT_REST else None
+    noise = slow_noise(pieces[0]) if len(step.y_before) >= least else None
     if noise is None or noise.rise < _SHOWS:
         return ""
     probability = walk_probability(pieces)
-    if probability is None or probability < (_LATE if is_late else _WANDERS):
+    if probability is None or probability < (_FEW if has_few else _LATE if is_late else _WANDERS):
         return ""
     return (
         f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "

@@ -151,3 +151,18 @@ def test_a_walk_that_leaves_an_answer_no_rest_is_told_by_the_later_half() -> Non
     noise = 2e-3 * random.standard_normal(1500) + np.cumsum(6e-4 * random.standard_normal(1500))
     found = _found(_lag(1500, 20.0) + noise)
     assert all("wanders" in each.reason for each in found.values())
+
+
+def test_few_rows_in_slow_noise_have_no_numbers_and_in_white_noise_they_have() -> None:
+    random, refused = np.random.default_rng(6), {"slow": 0, "white": 0}
+    way = _lag(BEFORE + 120, 6.0)[BEFORE - 30 :]
+    reference = np.where(np.arange(len(way)) < 30, 0.0, 1.0)
+    for _ in range(12):
+        white = 0.012 * random.standard_normal(len(way) + 500)
+        slow = np.sqrt(1.0 - 0.98**2) * signal.lfilter([1.0], [1.0, -0.98], white)
+        for name, noise in (("slow", slow), ("white", white)):
+            block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=way + noise[500:], r=reference)
+            found = analyze_step(block, "y", "r", held=True).measurements
+            refused[name] += any("wanders" in each.reason for each in found)
+    assert refused["slow"] >= 8
+    assert refused["white"] == 0
