@@ -19,7 +19,7 @@ _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever 
 _DOUBTFUL = 2.5  # likewise, of one that may be there
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both
-_WANDERS, _LATE, _FEW = 0.4, 0.25, 0.5  # probability of a walk; of a signal at rest late, and for few rows
+_WANDERS, _LATE, _FEW = 0.4, 0.25, 0.6  # probability of a walk; of a signal at rest late, and for few rows
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
 _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk mostly 1.4 and 2 times
 _LONG = 6  # parts of a record that Allan's variance is of
@@ -68,10 +68,10 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     record stands for them then. Where those before the step are few as well, slow noise of any kind moves
     more than both show, and a line or hum of which they hold no whole period is slow noise too.
     """
-    is_late, is_short = (len(each) < _FEWEST_AT_REST for each in (at_rest, step.y_before))
-    has_few = is_late and is_short
-    least = _FEWEST if is_short else _FEWEST_AT_REST
-    if is_late and not is_short:
+    is_late = len(at_rest) < _FEWEST_AT_REST
+    has_few = is_late and len(step.y_before) < _FEWEST_AT_REST
+    least = _FEWEST if has_few else _FEWEST_AT_REST
+    if is_late and not has_few:
         at_rest = step.y_clear[len(step.y) // 2 :]
     about = (step.y_before - step.r_before, at_rest - step.r[len(step.r) - len(at_rest) :])
     pieces = [each for each in about if len(each) >= least]

@@ -155,7 +155,7 @@ def test_a_walk_that_leaves_an_answer_no_rest_is_told_by_the_later_half() -> Non
 
 def test_few_rows_in_slow_noise_have_no_numbers_and_in_white_noise_they_have() -> None:
     random, refused = np.random.default_rng(6), {"slow": 0, "white": 0}
-    way = _lag(BEFORE + 120, 6.0)[BEFORE - 30 :]
+    way = _lag(BEFORE + 90, 8.0)[BEFORE - 30 :]
     reference = np.where(np.arange(len(way)) < 30, 0.0, 1.0)
     for _ in range(12):
         white = 0.012 * random.standard_normal(len(way) + 500)
