@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.spectra.noise_of_lines import PAIRS, experimental_noise_of_pairs
 
 FEWEST_REVOLUTIONS = 1.9
-"""Of as many, a fit of whole orders leaves most of what is between them."""
+"""From as many on, a fit of whole orders leaves most of the noise between them."""
 
 
 def noise_between_orders(
@@ -21,11 +21,12 @@ def noise_between_orders(
 
     Few revolutions have no scatter. Noise, coloured or not, is about as dense at an order as it is half an
     order beside it, where a machine has no line: as by time, pairs at equal distances around an order act on
-    its amplitude as they add up when turned to its phase. Below order 0 is what is above it, conjugated.
+    its amplitude as they add up when turned to its phase. Below order 0
+    they are those above it, conjugated.
 
     Args:
         coefficient: of orders 1 to K, shape (K,): half the peak amplitude.
-        between: coefficients of what the fit left, at orders 1/2, 3/2 ... K + 1/2, shape (K + 1,).
+        between: coefficients of the residual of the fit, at orders 1/2, 3/2 ... K + 1/2, shape (K + 1,).
         share: what the fit of whole orders has taken along of the power of white noise between them.
     """
     highest = len(coefficient)
@@ -46,7 +47,7 @@ def noise_between_orders(
 
 def fitted_share(revolutions: float) -> float:
     """Return the share of white noise, halfway between whole orders, that a fit of them all takes along: the
-    sum of the responses sinc^2(R (l + 1/2)) of all orders l to what is there, in R evenly covered
+    sum of the responses sinc^2(R (l + 1/2)) of all orders l at that place, in R evenly covered
     revolutions."""
     whole = np.arange(1, math.floor(revolutions) + 1)
     alternating = np.where(whole % 2, -1.0, 1.0)
