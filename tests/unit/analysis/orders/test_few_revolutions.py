@@ -1,0 +1,62 @@
+"""Orders by angle in few revolutions, or of few rows: their uncertainty is the noise between them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.coverage.noise import coloured
+from benchtool.analysis.orders.angle import TURN, angle_coverage
+from benchtool.analysis.orders.angle_orders import fit_orders
+from benchtool.analysis.orders.orders import describe_orders
+from tests.unit.analysis.orders.cogging_torque import torque_at
+from tests.unit.analysis.orders.test_orders import fitted, uneven_angle
+
+
+def test_with_few_revolutions_the_uncertainty_is_that_of_white_noise() -> None:
+    angle = uneven_angle(2.0, 5_000)
+    values = torque_at(angle) + 0.1 * np.random.default_rng(6).normal(size=len(angle))
+
+    fit = fit_orders(angle_coverage(angle), values, 100)
+
+    assert "halfway" in fit.uncertainty_source
+    assert float(np.median(fit.standard)) == pytest.approx(0.1 * math.sqrt(2 / 5_000), rel=0.2)
+
+
+@pytest.mark.parametrize("revolutions", [2.0, 2.6, 3.4])
+def test_the_uncertainty_of_few_revolutions_covers_the_truth_in_coloured_noise(revolutions: float) -> None:
+    errors = []
+    for seed in range(40):
+        angle = uneven_angle(revolutions, 900, seed)
+        noise = coloured(np.random.default_rng(100 + seed).standard_normal(len(angle)), 0.95)
+        spectrum = fitted(angle, np.cos(6 * angle) + 0.3 * np.cos(angle) + 0.05 * noise)
+        for order, truth in ((6, 1.0), (1, 0.3)):
+            errors.append((spectrum.amplitude[order - 1] - truth) / spectrum.standard[order - 1])
+    assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+@pytest.mark.parametrize("revolutions", [6.3, 12.2])
+def test_orders_that_take_along_half_of_the_rows_leave_less_scatter(revolutions: float) -> None:
+    errors = []
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        angle = np.linspace(0.0, TURN * revolutions, int(60 * revolutions)) + random.uniform(0.0, TURN)
+        values = np.cos(6 * angle) + 0.02 * random.standard_normal(len(angle))
+        spectrum = fitted(angle, values)
+        errors.append((spectrum.amplitude[5] - 1.0) / spectrum.standard[5])
+    assert 0.7 < float(np.sqrt(np.mean(np.square(errors)))) < 1.25
+
+
+def test_of_hardly_more_than_one_revolution_no_order_has_an_uncertainty() -> None:
+    angle = uneven_angle(1.4, 900)
+    values = torque_at(angle) + 0.1 * np.random.default_rng(6).normal(size=len(angle))
+
+    found = {
+        each.name: each for each in describe_orders(fitted(angle, values), "torque", orders=[6]).measurements
+    }
+
+    assert found["torque_order_6"].uncertainty is None
+    assert "revolutions" in found["torque_order_6"].uncertainty_reason
+    assert "revolutions" in found["torque_order_largest"].reason
