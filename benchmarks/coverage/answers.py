@@ -231,6 +231,10 @@ ANSWERS: Mapping[str, Answer] = {
     "answer_stale_lag": Answer(_LAG, stale=0.05),
     "answer_stale_bits_10": Answer(_RINGING, stale=0.04, bits=10),
     "answer_limited_few_rows": Answer((Mode(1.0, 13.0),), ramp=11.0, beyond=0.3, rows=(60, 400)),
+    "answer_hum_few_rows": Answer(
+        (Mode(1.0, 15.0, 42.0),), noise=1e-3, ripple=(0.017, 45.3), rows=(25, 128), delay=1.4
+    ),
+    "answer_low_crest": Answer((Mode(1.0, 8.0, 62.0),), noise=2e-2, rows=(250, 1600)),
 }
 
 
