@@ -63,8 +63,9 @@ def spectral_lines(
     interpolated between its two greatest bins, or fitted together with lines beside it. A line stands out
     with an amplitude above five times the rms of the noise around it (`around_lines`). Of one that decays,
     or whose frequency drifts, they are the means over the record; what no such course explains has none
-    (`steadiness`). `rate_relative` is the standard uncertainty of the sample rate, relative to it, which is
-    that of every frequency too.
+    (`steadiness`). What is slower than three periods in the record is not told from a drift: where it is more
+    than the largest line, the largest is not known. `rate_relative` is the standard uncertainty of the sample
+    rate, relative to it, which is that of every frequency too.
 
     Raises:
         AnalysisError: a gap, no such channel, or a dead signal.
@@ -112,7 +113,8 @@ def spectral_lines(
         )
         for each in rows[:_LISTED]
     )
-    reason = rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
+    slower = _slower(samples, unit, rows[0])
+    reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
     moved = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
@@ -136,7 +138,7 @@ def spectral_lines(
     frequency = replace(
         frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
     )
-    why = rows[0].reason or rows[0].of_mean
+    why = slower or rows[0].reason or rows[0].of_mean
     if why:
         amplitude = Measurement.undefined(amplitude.name, unit, amplitude.definition, why, basis)
     elif unsure := rows[0].unsure or next((each.unsure for each in rows if is_sideband(rows[0], each)), ""):
@@ -152,8 +154,7 @@ def sinusoids_of(samples: Floats) -> list[Line]:
     count = len(samples)
     if count < _FEWEST:
         return []
-    weights = spectral_window("hann", count)
-    bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
+    bins = _windowed(samples)
     size, step = np.abs(bins), counting_step(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
@@ -171,6 +172,25 @@ def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
             now = examined(bins, count, each, rows)
             found.append(now if now.reason or now.width else with_swing(bins, count, now))
     return sorted(found, key=lambda each: -each.amplitude)
+
+
+def _slower(samples: Floats, unit: str, largest: Line) -> str:
+    """Return why a line is perhaps not the largest of samples, shape (n,): what is slower may be one, and is
+    larger. A steady drift is no line."""
+    rows = np.arange(len(samples)) - 0.5 * (len(samples) - 1.0)
+    drift = float(rows @ samples) / float(rows @ rows)
+    size = np.abs(_windowed(samples - drift * rows)[1:_LOWEST_BIN])
+    if not float(np.max(size)) > _LEAST_RESPONSE * largest.amplitude:
+        return ""
+    least = f"{float(np.max(size)):.4g} {unit}".rstrip()
+    return f"a line slower than {_LOWEST_BIN} periods in the record may be larger, {least}: record longer"
+
+
+def _windowed(samples: Floats) -> Complexes:
+    """Return the peak amplitudes of samples, shape (n,), in bins of a Hann window, shape (n // 2 + 1,)."""
+    weights = spectral_window("hann", len(samples))
+    bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
+    return np.asarray(bins)
 
 
 def _not_apart(largest: Line, second: Line) -> str:

@@ -269,3 +269,24 @@ def test_the_frequency_of_a_line_is_as_uncertain_as_the_rate() -> None:
     assert [each.name for each in stamps.measurements[0].uncertainty.lines][-1] == "sample rate"
     assert stamps.measurements[1].uncertainty == ticks.measurements[1].uncertainty
     np.testing.assert_allclose([row[2] for row in stamps.tables[0].rows], [2.403, 1.2], rtol=1e-3)
+
+
+@pytest.mark.parametrize("periods", [1.3, 2.2, 2.6])
+def test_a_larger_line_that_is_too_slow_for_the_record_leaves_none_as_the_largest(periods: float) -> None:
+    random, turns = np.random.default_rng(8), np.arange(4000) / 4000.0
+    noise = 1e-3 * random.standard_normal(4000)
+    for phase in random.uniform(0.0, 2.0 * np.pi, 8):
+        values = np.cos(2 * np.pi * periods * turns + phase) + 0.5 * np.cos(2 * np.pi * 40.3 * turns) + noise
+        found = spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values), "torque")
+        frequency, amplitude = found.measurements
+        if periods < 2.5:  # else it is a line of its own
+            assert "slower than 3 periods" in frequency.reason
+            assert math.isnan(amplitude.value)
+        assert frequency.value != pytest.approx(40.3 * RATE_HZ / 4000.0, rel=0.01)
+
+
+def test_a_steady_drift_is_no_slow_line() -> None:
+    turns = np.arange(4000) / 4000.0
+    values = 3.0 * turns + 0.5 * np.cos(2 * np.pi * 40.3 * turns)
+    found = spectral_lines(Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=values), "torque")
+    assert found.measurements[0].value == pytest.approx(40.3 * RATE_HZ / 4000.0, rel=1e-3)
