@@ -184,7 +184,7 @@ class NoisyCurve:
         only a plateau has; on the curve as it is, whose own noise tells them apart, a plateau hardly would.
         The less likely noise makes that parabola as high as the curve is, the more the middle of both is
         taken. What the course between samples adds is added: at a kink, which the curve may have where it is
-        `kinked`, or on a parabola.
+        `kinked`, or on a parabola. A curve with kinks may have a low crest beside a plateau, too.
         """
         values, errors = self.values[begin:], self.errors[:, begin:]
         greatest = float(np.max(values))
@@ -203,9 +203,10 @@ class NoisyCurve:
         share = 0.5 + 0.5 * least_odds((1.0 + as_high) / (1.0 + len(highest)))
         # anywhere between both, evenly, and which of both
         between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
-        # a crest may be at the greatest alone, and has the noise of one row
-        of_row = max(float(np.std(highest, ddof=1)), float(self.standard[begin + int(np.argmax(values))]))
-        of_noise = math.hypot(of_row, between_both)
+        of_highest = float(np.std(highest, ddof=1))
+        if kinked:  # a crest may be at the greatest alone, and has the noise of one row
+            of_highest = max(of_highest, float(self.standard[begin + int(np.argmax(values))]))
+        of_noise = math.hypot(of_highest, between_both)
         bias = share * bias + (1.0 - share) * as_it_is
         return greatest + between - bias, math.hypot(of_noise, unknown)
 

@@ -378,11 +378,9 @@ def test_the_peak_of_a_resonance_is_read_off_all_frequencies_around_it() -> None
     assert falling.resonance() == falling.greatest()  # no peak
 
 
-@pytest.mark.parametrize(("bend", "left", "least"), [(0.0, 0.7, 0.45), (0.003, 0.3, 0.7)])
-def test_noise_is_taken_off_the_greatest_value_of_a_peak_and_of_a_plateau(
-    bend: float, left: float, least: float
-) -> None:
-    """Noise of unit rms over five samples raises the greatest of 300 by 2.6, of a plateau or a low crest."""
+@pytest.mark.parametrize(("bend", "left"), [(0.0, 0.7), (0.003, 0.3)])
+def test_noise_is_taken_off_the_greatest_value_of_a_peak_and_of_a_plateau(bend: float, left: float) -> None:
+    """Noise of unit rms over five samples raises the greatest of 300 by 2.6 on a plateau."""
     random, kernel = np.random.default_rng(7), np.full(5, 1.0 / np.sqrt(5.0))
 
     def noise(records: int) -> NDArray[np.float64]:
@@ -392,4 +390,4 @@ def test_noise_is_taken_off_the_greatest_value_of_a_peak_and_of_a_plateau(
     shape = -bend * (np.arange(300.0) - 149.5) ** 2
     found = np.array([NoisyCurve(shape + each, noise(80)).greatest() for each in noise(60)])
     assert abs(np.mean(found[:, 0])) < left
-    assert least < np.sqrt(np.mean((found[:, 0] / found[:, 1]) ** 2)) < 1.4
+    assert 0.7 < np.sqrt(np.mean((found[:, 0] / found[:, 1]) ** 2)) < 1.4

@@ -193,6 +193,6 @@ def test_a_low_crest_beside_a_plateau_has_the_noise_of_its_rows(height: float) -
     for _ in range(30):
         noise = ndimage.gaussian_filter1d(random.standard_normal((81, 1100)), 8.0, axis=1)[:, 50:-50]
         noise /= np.std(noise)
-        found, standard = NoisyCurve(course + noise[0], noise[1:]).greatest()
+        found, standard = NoisyCurve(course + noise[0], noise[1:]).greatest(kinked=True)
         relative.append((found - height) / standard)
     assert float(np.mean(np.abs(relative) <= 2.0)) >= 0.9
