@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 
-_BY_CHANCE = 0.1  # of chance the value has half, and its uncertainty the other half
+_BY_CHANCE = 1e-3
 _HIGHEST = 7  # degree of the polynomials that show how a phase moves otherwise
 _FEWEST_PERIODS = 4
 
@@ -18,8 +18,7 @@ Floats = NDArray[np.float64]
 
 
 def steady_departure(phase_rad: Floats, amplitude: Floats) -> float:
-    """Return by how much a fundamental's phase about a track rises in a period; 0 where that may well be
-    chance.
+    """Return by how much a fundamental's phase about a track rises in a period; 0 where that is by chance.
 
     The phase in each period and the amplitude, both of shape (periods,), are split into orthogonal
     polynomials. Noise is in all of them, and alike in both (relative to the amplitude); a slip is the line of
