@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from benchtool.analysis.spectra.line_course import along_course
+from benchtool.analysis.spectra.line_models import Complexes, Floats
 from benchtool.analysis.spectra.lines import sinusoids_of
+from benchtool.analysis.spectra.spectral_window import spectral_window
+from benchtool.analysis.spectra.steadiness import Line
 
 _COUNT, _PLACE = 1500, 80.3
 
@@ -31,3 +37,68 @@ def test_the_mean_is_within_its_uncertainty_under_a_slow_swing(swing_rad: float,
 
     assert len(errors) >= 30
     assert 0.6 < float(np.sqrt(np.mean(errors**2))) < 1.5
+
+
+def _read(
+    *others: tuple[float, float], seed: int = 3, count: int = _COUNT, swing_rad: float = 0.0
+) -> tuple[Floats, Complexes]:
+    """Return samples of a line at `_PLACE`, of others at place and amplitude, and their bins under a Hann
+    window."""
+    random, time = np.random.default_rng(seed), np.arange(count) / count
+    samples = np.cos(2 * np.pi * _PLACE * time + swing_rad * np.sin(2 * np.pi * 0.7 * time))
+    for place, amplitude in others:
+        samples += amplitude * np.cos(2 * np.pi * place * time + random.uniform(0, 2 * np.pi))
+    samples += 0.02 * random.standard_normal(count)
+    weights = spectral_window("hann", count)
+    return samples, np.fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
+
+
+def _line(place: float, amplitude: float = 1.0) -> Line:
+    return Line(place, amplitude, 1e-3, 1e-3, 1e-3, 1e-3, is_one=True)
+
+
+LINE = _line(_PLACE)
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        ((_PLACE - 5.0, 0.1), (_PLACE + 5.0, 0.15)),
+        ((_PLACE + 9.2, 0.2), (_PLACE - 5.0, 0.15), (_PLACE + 5.5, 0.1)),
+    ],
+)
+def test_a_line_with_sidebands_stays_between_them(others: tuple[tuple[float, float], ...]) -> None:
+    samples, bins = _read(*others)
+    assert along_course(samples, bins, LINE, [_line(*each) for each in others]) is LINE
+
+
+@pytest.mark.parametrize(
+    "others",
+    [((_PLACE - 5.0, 0.1), (_PLACE + 7.0, 0.1)), ((_PLACE - 5.0, 0.1), (_PLACE + 5.0, 0.3)), ((85.0, 0.4),)],
+)
+def test_lines_that_are_no_sidebands_are_taken_out(others: tuple[tuple[float, float], ...]) -> None:
+    samples, bins = _read(*others, swing_rad=0.2)
+    found = along_course(samples, bins, LINE, [_line(*each) for each in others])
+    mean = _PLACE + 0.2 * np.sin(2 * np.pi * 0.7) / (2 * np.pi)
+    assert found is not LINE
+    assert abs(found.place - mean) < 2.5 * found.of_place < 0.02
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        replace(LINE, is_one=False),
+        replace(LINE, of_mean="it decays"),
+        replace(LINE, of_place=1e-6),  # no noise hides a swing
+        replace(LINE, of_place=0.1),  # a turn may be lost
+        _line(8.4),  # too few periods for its parts
+    ],
+)
+def test_a_line_whose_course_tells_nothing_more_stays_as_it_is(line: Line) -> None:
+    samples, bins = _read()
+    assert along_course(samples, bins, line, ()) is line
+
+
+def test_a_line_of_few_rows_in_its_parts_stays_as_it_is() -> None:
+    samples, bins = _read(count=66)
+    assert along_course(samples, bins, LINE, ()) is LINE
