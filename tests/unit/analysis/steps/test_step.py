@@ -116,13 +116,20 @@ def test_a_signal_that_moves_with_its_reference_has_no_step_latency() -> None:
 
 @pytest.mark.slow
 def test_step_latency_does_not_take_earlier_noise_for_the_answer() -> None:
-    found = [_measured(*_noisy(1.0, 0.03, seed))["step_latency"] for seed in range(20)]
+    found = []
+    for seed in range(20):
+        response = analyze_step(_block(*_noisy(1.0, 0.03, seed)), "torque", "torque_reference")
+        found += [each for each in response.measurements if each.name == "step_latency"]
+    rows = RATE_HZ * np.array([each.value for each in found])
     # the lag has gone 2 % after a fifth of a row
-    assert np.median(found) == pytest.approx(5.2 / RATE_HZ, abs=0.7 / RATE_HZ)
-    # noise that is taken for it would be anywhere in the rows before; extrapolated from where the curve
-    # clears it to twice as far, the start scattered by 0.77 rows
-    assert np.min(found) > 3.2 / RATE_HZ
-    assert np.std(found) < 0.6 / RATE_HZ
+    assert np.median(rows) == pytest.approx(5.2, abs=0.7)
+    # noise that is taken for it would be anywhere in the rows before
+    assert np.min(rows) > 2.0
+    assert np.std(rows) < 1.2
+    uncertain = [each.uncertainty for each in found if each.uncertainty is not None]
+    assert len(uncertain) == 20
+    errors = (rows - 5.2) / (RATE_HZ * np.array([each.standard for each in uncertain]))
+    assert 0.4 < np.sqrt(np.mean(errors**2)) < 1.4
 
 
 @pytest.mark.slow
