@@ -21,8 +21,7 @@ def noise_between_orders(
 
     Few revolutions have no scatter. Noise, coloured or not, is about as dense at an order as it is half an
     order beside it, where a machine has no line: as by time, pairs at equal distances around an order act on
-    its amplitude as they add up when turned to its phase. Below order 0
-    they are those above it, conjugated.
+    its amplitude as they add up when turned to its phase. Below order 0 they are those above it, conjugated.
 
     Args:
         coefficient: of orders 1 to K, shape (K,): half the peak amplitude.
@@ -37,9 +36,7 @@ def noise_between_orders(
     above = between[np.where(inside, upper, 0)]
     below = between[np.where(inside, mirrored, 0)]
     below = np.where(lower < 0, np.conj(below), below)
-    size = np.abs(coefficient)
-    towards = np.conj(coefficient) / np.where(size > 0.0, size, 1.0)
-    towards = np.where(size > 0.0, towards, 1.0)[:, np.newaxis]
+    towards = np.exp(-1j * np.angle(coefficient))[:, np.newaxis]
     together = above * towards + np.conj(below * towards)
     noise = 2.0 * experimental_noise_of_pairs(together, inside) / math.sqrt(1.0 - share)
     return noise, 2.0 * np.count_nonzero(inside, axis=1)
