@@ -12,10 +12,9 @@ import numpy as np
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.spectra.course import FEWEST, change_over_record
 from benchtool.analysis.spectra.line_models import Complexes, Floats, phasors_at
-from benchtool.analysis.spectra.steadiness import Line
+from benchtool.analysis.spectra.steadiness import Line, are_sidebands
 
 _PARTS, _FEWEST_CYCLES, _FEWEST_ROWS = 64, 1.0, 6  # of the record; in a part
-_ALIKE, _OPPOSITE = 2.0, 0.7  # ratio of two sidebands; bins from where the other one is
 _HIDDEN = 1e-5  # bins, by noise: with less, no swing hides
 _LARGEST_RAD = 0.25  # noise of the phase in a part: with more, a turn may be lost between parts
 
@@ -48,10 +47,9 @@ def along_course(samples: Floats, bins: Complexes, line: Line, others: Sequence[
 
 
 def _has_sidebands(line: Line, others: Sequence[Line]) -> bool:
-    """Return whether two of the others are alike, and as far from a line on either side."""
+    """Return whether two of the others are sidebands of a line."""
     return any(
-        abs(one.place + other.place - 2.0 * line.place) < _OPPOSITE
-        and max(one.amplitude, other.amplitude) < _ALIKE * min(one.amplitude, other.amplitude)
+        are_sidebands(line.place, (one.place, other.place), (one.amplitude, other.amplitude))
         for one, other in combinations(others, 2)
     )
 

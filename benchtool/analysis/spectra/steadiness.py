@@ -281,12 +281,14 @@ def _with_more(
 
 
 def _swings(line: Line, fit: Fit) -> bool:
-    """Return whether the largest two lines beside one are alike, and as far on either side, as where its
-    phase swings."""
+    """Return whether the largest two lines beside one are its sidebands, as where its phase swings."""
     real, imaginary, place = fit.unknowns.reshape(-1, 3).T
     size = np.hypot(real, imaginary)
     beside = np.argsort(-size)[1:3]
-    apart, size = place[beside] - line.place, size[beside]
-    return (
-        len(beside) == 2 and abs(float(apart[0] + apart[1])) < _MIRRORED and float(size[0] / size[1]) < _ALIKE
-    )
+    return len(beside) == 2 and are_sidebands(line.place, place[beside].tolist(), size[beside].tolist())
+
+
+def are_sidebands(of: float, places: Sequence[float], amplitudes: Sequence[float]) -> bool:
+    """Return whether two lines are about as large, and as far from the place `of` another on either side."""
+    is_mirrored = abs(sum(places) - 2.0 * of) < _MIRRORED
+    return is_mirrored and max(amplitudes) < _ALIKE * min(amplitudes)
