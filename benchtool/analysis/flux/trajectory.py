@@ -22,7 +22,7 @@ from benchtool.analysis.flux.radius_errors import (
 from benchtool.analysis.flux.revolutions import ORDERS, fits, forwards, revolutions_of
 from benchtool.analysis.flux.step_errors import StepErrors
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.quantisation.repeated_steps import added_power
+from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Content, Extremes, Level, Power, Sensitivities
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS
@@ -238,7 +238,7 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
     name, text = "flux_radius_rms", "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     if step:
-        rms = math.sqrt(max(0.0, rms**2 - added_power(step)))
+        rms = rms_before_steps(rms, step)
         text = f"{text}, less what steps of {step:.3g} Wb add"
     scale = 1.0 / (2.0 * rms) if rms > 0.0 else 0.0
     of_rms, untold = error_of_slow_rms(

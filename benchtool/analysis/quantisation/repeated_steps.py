@@ -64,7 +64,7 @@ class RepeatedSteps:
 
     def added_power(self, step: float) -> float:
         """Return the mean square that steps add to that of waveform and noise about their mean."""
-        return added_power(step)
+        return _on_average(step)
 
     def of_mean(self, weights: Floats | float = 1.0) -> float:
         """Return the rms of the mean of the error times weights, shape (points,)."""
@@ -156,7 +156,14 @@ class _OfFewSteps(RepeatedSteps):
         return found, np.asarray(np.mean(np.abs(errors) ** 2, axis=0))
 
 
-def added_power(step: float) -> float:
+def rms_before_steps(rms: float, step: float, repeated: RepeatedSteps | None = None) -> float:
+    """Return the rms about its mean of what was read with an `rms` in steps, whose errors are `repeated` in
+    every period or, where that is None, hidden by noise."""
+    added = _on_average(step) if repeated is None else repeated.added_power(step)
+    return math.sqrt(max(0.0, rms**2 - added))
+
+
+def _on_average(step: float) -> float:
     """Return the mean square that steps add to that of a signal that spans many of them, or whose noise hides
     them (Widrow and Kollár, ch. 4)."""
     return step**2 / 12.0
@@ -374,7 +381,7 @@ def _waveforms(phasors: Complex, points: int) -> Floats:
 def noise_beside(power: float, step: float) -> float:
     """Return the rms of the noise in a signal, by the mean square of what does not repeat: of that a twelfth
     of the step's square may be of the steps themselves."""
-    return math.sqrt(max(0.0, power - step**2 / 12.0))
+    return math.sqrt(max(0.0, power - _on_average(step)))
 
 
 def share_left(noise_rms: float, step: float) -> float:
@@ -397,7 +404,7 @@ def _stay(turns: Floats, places: int) -> bool:
 def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
-    weak = order[np.cumsum(power[order]) <= _OF_STEPS * step**2 / 12.0]
+    weak = order[np.cumsum(power[order]) <= _OF_STEPS * _on_average(step)]
     kept = phasors.copy()
     kept[weak] = 0.0
     return kept

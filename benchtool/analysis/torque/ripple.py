@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
-from benchtool.analysis.quantisation.repeated_steps import added_power
+from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.statistics.between_samples import BETWEEN
@@ -29,6 +29,10 @@ _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how muc
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
 _TOO_SLOW_NOISE = "noise too slow for the record"
+_MEET_SLOWLY = (
+    "it, or where in its few steps the rows fall, wanders more slowly than the record shows: record longer, or "
+    "in finer steps"
+)
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
 
@@ -154,8 +158,7 @@ def ripple_of_rows(
     if scatter is None or marks is None:
         unknown = _without_periods(marks, repeated, no_periods)
     else:
-        by_steps = added_power(step) if scatter.steps is None else scatter.steps.added_power(step)
-        rms = math.sqrt(max(0.0, scatter.whole_rms**2 - by_steps))
+        rms = rms_before_steps(scatter.whole_rms, step, scatter.steps)
         whole = replace(whole, mean=scatter.whole_mean, rms=rms)
         unknown = _few_updates(samples, marks, repeated)
         scatter = replace(scatter, percentile_range=None) if unknown else scatter
@@ -242,10 +245,11 @@ class _Seen:
             return Measurement.undefined(name, unit, text, self.clipped, self.basis)
         uncertain, why = None, self.unknown or _TOO_FEW_EXTREMES
         if self.scatter is not None and error is not None:
+            in_few_steps = self.scatter.steps is not None and self.scatter.steps.are_few
+            why = _MEET_SLOWLY if in_few_steps else TOO_SLOW
             line = error.line(f"scatter over {self.scatter.periods} {self.scatter.repeated}")
             lines = tuple(each for each in (line, *further) if each.standard != 0.0)
             uncertain = combined(lines, f"{line.name}, resolution")
-            why = "" if uncertain is not None else TOO_SLOW
         return Measurement(
             name,
             value,
@@ -253,7 +257,7 @@ class _Seen:
             text,
             self.basis,
             _of_two_readings(uncertain, bound),
-            uncertainty_reason=why,
+            uncertainty_reason=why if uncertain is None else "",
             sensitivities=sensitivities,
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.quantisation.repeated_steps import repeated_steps, steps_of_periods
+from benchtool.analysis.quantisation.repeated_steps import repeated_steps, rms_before_steps, steps_of_periods
 
 SAMPLES, TURNS, RECORDS = 8_000, 37, 6
 THETA = 2.0 * np.pi * TURNS * np.arange(SAMPLES) / SAMPLES
@@ -26,7 +26,7 @@ def _errors(random: np.random.Generator, amplitude: float, noise: float) -> tupl
     assert found is not None
     rms = np.sqrt(0.505 * amplitude**2 + noise**2)
     size = np.abs(phasors)
-    rms_read = np.sqrt(np.var(read) - found.added_power(1.0))
+    rms_read = rms_before_steps(float(np.std(read)), 1.0, found)
     off = [np.mean(read) - mean, rms_read - rms, size[5] - amplitude, size[3] - 0.1 * amplitude]
     lines = found.of_lines(phasors)[0]
     of_noise = np.sqrt(beside / SAMPLES)
@@ -78,7 +78,7 @@ def test_orders_of_few_steps_without_noise_may_have_any_size_that_passes_the_edg
         begins = np.ceil(SAMPLES / 37.3 * np.arange(38)).astype(np.int64)
         found = steps_of_periods(read[: begins[-1]], begins, 1, 1.0, theta[: begins[-1]] / (2.0 * np.pi))
         assert found is not None
-        read_rms = np.sqrt(max(0.0, np.var(read) - found.added_power(1.0)))
+        read_rms = rms_before_steps(float(np.std(read)), 1.0, found)
         off = np.array([np.mean(read) - np.mean(clean), read_rms - np.std(clean)])
         relative.append(off / np.array([found.of_mean(), found.of_rms]))
     assert np.all(np.sqrt(np.mean(np.square(relative), axis=0)) < MOST)

@@ -240,6 +240,16 @@ def test_resolution_is_a_multiple_of_the_step_of_a_grid_and_the_step_where_neigh
     assert found == pytest.approx(step * (np.min(np.diff(distinct)) if len(distinct) > 1 else 0))
 
 
+def test_an_rms_in_few_steps_that_meet_the_rows_slowly_says_so() -> None:
+    """Without noise the rows of a period fall elsewhere in the steps than those of the next."""
+    theta_m = 2.0 * np.pi * 22.6 * np.arange(8000) / 8000
+    lines = ((12, 0.03, 1.0), (24, 0.015, 2.0), (3, 0.01, 0.5))
+    torque = 1.0 + sum(size * np.cos(order * theta_m + at) for order, size, at in lines)
+    rms = numbers(0.05 * np.round(torque / 0.05), track_angle(theta_m, 1))["torque_ripple_rms"]
+    assert rms.uncertainty is None
+    assert "where in its few steps the rows fall" in rms.uncertainty_reason
+
+
 def test_resolution_of_a_long_record_is_found_in_part_of_it() -> None:
     samples = np.round(np.random.default_rng(3).normal(0, 10, 400_000))
 
