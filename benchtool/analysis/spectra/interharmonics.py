@@ -22,9 +22,9 @@ Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _MOST = 8
-_STANDS_OUT = 8.0  # times the median of the bins around, under a Hann window
+_STANDS_OUT = 8.0  # times the noise by the bins around, under a Hann window
 _ROUNDING = 1e-7  # of the largest line
-_AROUND = 12
+_AROUND, _OF_LINE = 12, 3
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
 _NEARLY = 2.0  # times that: a step of constants turns what is fitted by far less than 0.13 rad
@@ -319,14 +319,20 @@ def _largest(bins: Complex, periods: int) -> float | None:
     at = int(np.argmax(size))
     if not size[at] > _ROUNDING * float(np.max(np.abs(bins[1:]))):
         return None
-    first = max(1, at - _AROUND)
-    around = np.concatenate([size[first : max(first, at - 3)], size[at + 4 : at + 1 + _AROUND]])
-    around = around[around > 0.0]
-    if not len(around) or not size[at] > _STANDS_OUT * float(np.median(around)) or at + 1 >= len(bins):
+    around = np.arange(max(1, at - _AROUND), min(len(size), at + 1 + _AROUND))
+    around = around[(np.abs(around - at) > _OF_LINE) & (size[around] > 0.0)]
+    if not len(around) or at + 1 >= len(bins) or not size[at] > _STANDS_OUT * _level(around, size[around], at):
         return None
     side = 1 if size[at + 1] > size[at - 1] else -1
     ratio = size[at + side] / size[at]
     return float(at + side * max(0.0, (2.0 * ratio - 1.0) / (1.0 + ratio)))
+
+
+def _level(bins: NDArray[np.int64], size: Floats, at: int) -> float:
+    """Return the size that noise may have in a bin, by that in bins around it, both of shape (n,): where all
+    of them are above, it may rise towards dc as that of a random walk."""
+    above = float(np.median(bins)) / at if at < np.min(bins) else 1.0
+    return above * float(np.median(size))
 
 
 def _window(count: int, places: Floats, periods: int) -> NDArray[np.int64]:

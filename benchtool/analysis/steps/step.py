@@ -309,8 +309,8 @@ STEP: Final = Analysis(
             ("step_latency",),
             "s",
             "until the curve is 2 % of `height` beyond the signal's mean before the step; where three of its "
-            "standard uncertainties are more, from 1.5 times that level back along a lag after a dead time, of "
-            "the order (1 to 4) that the way on to half of `height` shows. "
+            "standard uncertainties are more, from 1.5 times that level back along a lag after a dead time, "
+            "of the order (1 to 4) that the way on to half of `height` shows. "
             "Undefined where the signal has moved before time zero, along a slow reference",
         ),
         Quantity(
