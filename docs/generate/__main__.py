@@ -1,4 +1,4 @@
-"""Write the generated pages of the reference: profile, plan, command line, exit codes, JSON documents.
+"""Write the generated pages: the reference from models and command line, the faults, the index of decisions.
 
 python -m docs.generate            write them
 python -m docs.generate --check    write nothing; exit 1 if a page is stale
@@ -16,10 +16,10 @@ from pathlib import Path
 
 from docs.generate import pages
 
-REFERENCE = Path(__file__).parents[1] / "reference"
+DOCS = Path(__file__).parents[1]
 
 
-def main(arguments: Sequence[str] | None = None, folder: Path = REFERENCE) -> int:
+def main(arguments: Sequence[str] | None = None, folder: Path = DOCS) -> int:
     """Write or check the pages; the process's exit code."""
     parser = argparse.ArgumentParser(prog="python -m docs.generate", description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if a page is stale")
@@ -30,6 +30,7 @@ def main(arguments: Sequence[str] | None = None, folder: Path = REFERENCE) -> in
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             stale.append(name)
             if not check:
+                path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(text, encoding="utf-8")
     if check and stale:
         sys.stderr.write(f"{', '.join(stale)}: stale, run python -m docs.generate\n")

@@ -6,7 +6,7 @@ import functools
 
 from benchtool.plan.model import Plan
 from benchtool.profile import Profile
-from docs.generate import command_line, faults, json_page, models, motors
+from docs.generate import command_line, decisions, faults, json_page, models, motors
 
 _PROFILE = """
 A profile is a TOML file that describes one motor on one drive, and the bench they stand on. A key ends in its
@@ -24,14 +24,15 @@ work together.
 
 @functools.cache
 def all_pages() -> dict[str, str]:
-    """Every generated page by the name of its file."""
+    """Every generated page by the name of its file, from docs on."""
     profiles, plans = models.documents_of("profile"), models.documents_of("plan")
     return {
-        "profile.md": models.page("Keys of a profile", _PROFILE, Profile, profiles),
-        "plan.md": models.page("Keys of a plan", _PLAN, Plan, plans),
-        "motors.md": motors.page(),
-        "json_documents.md": json_page.page(),
-        "../faults.md": faults.page(),
-        "command_line.md": command_line.page(),
-        "exit_codes.md": command_line.exit_codes(),
+        "reference/profile.md": models.page("Keys of a profile", _PROFILE, Profile, profiles),
+        "reference/plan.md": models.page("Keys of a plan", _PLAN, Plan, plans),
+        "reference/motors.md": motors.page(),
+        "reference/json_documents.md": json_page.page(),
+        "reference/command_line.md": command_line.page(),
+        "reference/exit_codes.md": command_line.exit_codes(),
+        "faults.md": faults.page(),
+        "decisions/index.md": decisions.page(),
     }

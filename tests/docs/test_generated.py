@@ -10,7 +10,7 @@ from benchtool.document import Section, load_document
 from benchtool.errors import PlanError, ProfileError
 from benchtool.plan.model import Plan
 from benchtool.profile import Profile
-from docs.generate.__main__ import REFERENCE, main
+from docs.generate.__main__ import DOCS, main
 from docs.generate.models import EXAMPLES, documents_of, tables
 from docs.generate.pages import all_pages
 from tests.docs import shell
@@ -21,13 +21,13 @@ WITHOUT_EXAMPLE = {"amplitude_V", "offset_V", "frame", "angle_rad", "omega_e_rad
 
 def test_the_pages_are_fresh() -> None:
     for name, text in all_pages().items():
-        assert (REFERENCE / name).read_text(encoding="utf-8") == text, "run python -m docs.generate"
+        assert (DOCS / name).read_text(encoding="utf-8") == text, "run python -m docs.generate"
 
 
 def test_a_stale_page_is_told_and_written_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "profile.md").write_text("stale", encoding="utf-8")
+    (tmp_path / "faults.md").write_text("stale", encoding="utf-8")
     assert main(["--check"], tmp_path) == 1
-    assert "profile.md" in capsys.readouterr().err
+    assert "faults.md" in capsys.readouterr().err
     assert main([], tmp_path) == 0
     assert main(["--check"], tmp_path) == 0
 
