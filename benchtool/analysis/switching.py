@@ -212,7 +212,8 @@ SWITCHING_FREQUENCY: Final = Analysis(
             "Hz",
             "turn-ons of the three upper switches / (3 x duration)",
             "one count, `1 / (3 sqrt(3) duration)`, and the scatter over 64 parts with their correlation, or "
-            "the five lowest frequencies where these hold less than a fifth of that",
+            "the five lowest frequencies where these hold less than a fifth of that, or the density "
+            "continued to zero frequency where that is 1.4 times as much",
         ),
     ),
     settings=NoSettings,
@@ -227,14 +228,16 @@ SWITCHING_STATES: Final = Analysis(
             ("zero_vector_share",),
             "%",
             "mean of `T_0 / T_s`",
-            "scatter over 64 parts of the record with their correlation",
+            "scatter over 64 parts of the record with their correlation, or the five lowest frequencies "
+            "where these hold less than a fifth of that, or the density continued to zero frequency where "
+            "that is 1.4 times as much",
         ),
         Quantity(
             ("active_vectors_mean",),
             "",
             "mean number of active vectors in a period: 2 for space-vector modulation, at most 1 for laws of "
             "single vectors",
-            "likewise",
+            "likewise, and `1 / (sqrt(3) n)`: one period of another number may come next",
         ),
     ),
     settings=NoSettings,

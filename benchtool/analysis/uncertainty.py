@@ -258,6 +258,12 @@ def combined(
     return Uncertainty(math.sqrt(squares), source, dof, budget, half_width)
 
 
+def combined_by_names(contributions: Iterable[Contribution]) -> Uncertainty | None:
+    """`combined`, whose source is the names of the contributions: no other error is in it."""
+    budget = tuple(contributions)
+    return combined(budget, ", ".join(each.name for each in budget))
+
+
 def of_difference(
     one: Uncertainty, two: Uncertainty, values: tuple[float, float] | None = None
 ) -> Uncertainty:

@@ -250,7 +250,8 @@ MOTION_BALANCE: Final = Analysis(
             (f"motion_balance_{name}",),
             UNITS[name],
             _DEFINITIONS[name],
-            "scatter of the errors of the balance over blocks of windows; of `psi_r`",
+            "scatter of the errors of the balance over blocks of windows; of `psi_r`"
+            + ("" if name == "J" else "; current between the ticks by dead time"),
         )
         for name in ESTIMATED
     ),

@@ -35,7 +35,7 @@ from benchtool.analysis.statistics.scatter import (
     is_memory_untold,
 )
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
-from benchtool.analysis.uncertainty import Contribution, combined
+from benchtool.analysis.uncertainty import Contribution, combined_by_names
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -48,9 +48,10 @@ _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
     """Return the radius, centre and hexagonality of the stator flux over whole revolutions of it.
 
-    The revolutions come from the flux's own angle about its centre: a quadratic fit to it, so that its ripple
-    stays in the numbers. Centre and hexagon are least-squares fits to the samples, in every revolution by
-    itself; their scatter over the revolutions is the uncertainty.
+    The revolutions come from the flux's own angle about its centre: a quadratic fit to it, so that its
+    ripple stays in the numbers, and where the speed swings about that the phase of order 1 in each
+    revolution. Centre and hexagon are least-squares fits to the samples, in every revolution by itself; the
+    uncertainty is by their scatter over the revolutions or, of few, by the density of the samples too.
 
     Args:
         block: a capture without gaps, with psi_alpha and psi_beta, amplitude-invariant (peak).
@@ -69,12 +70,13 @@ def flux_trajectory(block: Block) -> tuple[Measurement, ...]:
     edges = revolutions[0].start, revolutions[-1].stop
     rate_Hz = block.sample_rate_Hz
     count = edges[1] - edges[0]
+    followed = "" if track.departure is None else ", and the phase of order 1 about it"
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
         duration_s=count / rate_Hz,
         bandwidth_Hz=0.5 * rate_Hz,
-        window=f"{len(revolutions)} whole revolutions by a quadratic fit to the flux's angle",
+        window=f"{len(revolutions)} whole revolutions by a quadratic fit to the flux's angle{followed}",
         gaps=0,
     )
     turns = (track.at(np.arange(*edges, dtype=np.float64)) - begin_rad) / (2.0 * np.pi)
@@ -197,14 +199,14 @@ class _Revolutions:
         error: MeanError,
         *further: Contribution,
         content: Content = _LEVEL,
+        of: str = "scatter over",
     ) -> Measurement:
-        """Return a number with its error over the revolutions and further contributions."""
+        """Return a number with its error, `of` what over the revolutions, and further contributions."""
         if self.reason:
             return Measurement.undefined(name, "Wb", text, self.reason, self.basis)
-        source = f"scatter over {len(self.means)} revolutions, with their correlation"
-        budget = [error.line(source)]
+        budget = [error.line(f"{of} {len(self.means)} revolutions")]
         budget += [each for each in further if each.standard != 0.0]
-        uncertain = combined(budget, source)
+        uncertain = combined_by_names(budget)
         return Measurement(
             name,
             value,
@@ -235,7 +237,8 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
     between = between_samples(radius, flux.turns)
     missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
-    yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes())
+    by = "scatter of the extremes, by those of"
+    yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes(), of=by)
     name, text = "flux_radius_rms", "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     if step:
         rms = rms_before_steps(rms, step)

@@ -19,7 +19,7 @@ from benchtool.errors import AnalysisError
 
 _SECTORS = 360
 _USABLE_BAND = 0.45  # of one over the longest arc without a sample: the circle's Nyquist limit is 0.5
-_STEPS_PER_PERIOD = 10  # of a coarse angle: the amplitude then reads at most sinc(1/10) = 1.6 % low
+_STEPS_PER_PERIOD = 10  # of a coarse angle: the fit is then at most sinc(1/10) = 1.6 % low
 _CELLS_PER_UNKNOWN = 2
 _WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even coverage
 _FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions

@@ -82,7 +82,7 @@ class OrderSpectrum:
             return Uncertainty(standard, source, dof)
         by_noise = factor * math.sqrt(max(0.0, standard**2 - others**2))
         noise = Contribution("noise", "A", by_noise, dof, of_student=True)
-        rest = Contribution("resolution, resampling and wobble", "B", factor * others)
+        rest = Contribution("resolution, resampling, wobble and wander of the phase", "B", factor * others)
         return combined((noise, rest), source) or Uncertainty(math.nan, source)
 
     @property
@@ -249,7 +249,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
-        uncertainty_source=f"noise and leakage beside the order, resampling, resolution, and {about}",
+        uncertainty_source="noise and leakage beside the order, resampling, resolution, wander of the phase, "
+        f"and {about}",
         dof=noise.dof,
         stands_out_above=_explained(noise.in_phase, _OF_DOF * noise.dof, others),
         lost=lost,
@@ -305,6 +306,7 @@ def fitted_orders(
     by_steps = _repeated_steps(fit, values, coverage) / low
     basis = basis or Basis(len(values))
     wobble = wobble or Wobble()
+    about = f"{wobble.rms_rad:.2g} rad rms of wobble"
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
     wanders2 = np.maximum(0.0, fit.standard**2 - fit.noise**2) / low**2
     others = np.sqrt(by_steps**2 + wanders2 + lost**2 + beside**2)
@@ -319,7 +321,7 @@ def fitted_orders(
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
-        uncertainty_source=f"{fit.uncertainty_source}, and resolution",
+        uncertainty_source=f"{fit.uncertainty_source}, resolution, and {about}",
         dof=dof,
         stands_out_above=_explained(fit.noise / low, dof, others),
         lost=lost,

@@ -388,7 +388,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
         Quantity(
             ("sensitivity_peak",),
             "",
-            "`M_s`, greatest magnitude of `S = 1 - T`, read as `resonance_peak` is (Aastroem and Murray, "
+            "`M_s`, greatest magnitude of `S = 1 - T`, read as `resonance_peak` is (Åström and Murray, "
             "*Feedback Systems*, 2nd ed., "
             "12.1). Undefined where it falls from the lowest frequency used on, where it is below 1, which "
             "it reaches above the frequencies used, where it has "

@@ -1,7 +1,7 @@
 """Stability margins of a loop from the response of the controlled quantity to its reference.
 
 With unity feedback the closed loop is T = L / (1 + L), so that the open loop is L = T / (1 - T), and the
-sensitivity S = 1 / (1 + L) = 1 - T (Astroem and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
+sensitivity S = 1 / (1 + L) = 1 - T (Åström and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
 """
 
 from __future__ import annotations

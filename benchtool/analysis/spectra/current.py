@@ -36,7 +36,7 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -209,8 +209,7 @@ def _lines(
     """Yield the fundamental and the largest low line; `of_steps` is how large one by a converter may be."""
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
     text = f"peak amplitude at {f_1:.6g} Hz"
-    source = "noise, resampling, phase and resolution"
-    own = combined(errors.budget(0), source)
+    own = combined_by_names(errors.budget(0))
     why = "" if own is not None else errors.unknown
     line = replace(basis, frequency_Hz=f_1)
     yield Measurement(
@@ -262,9 +261,8 @@ def _of_largest(
     bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
     of_many = Contribution("largest of many bins of noise, or of lines by a converter", "B", bias)
     nearest = min(max(round(order), 1), len(errors.phase)) - 1
-    source = "noise beside the line, that of the largest of many bins, and the resampling"
     if place == (nearest + 1) * spectrum.periods:
-        return combined((*errors.budget(nearest), of_many), source)
+        return combined_by_names((*errors.budget(nearest), of_many))
     noise = line_noise(spectrum, np.array([place]))
     around = math.hypot(*(float(each[nearest]) for each in (errors.phase, errors.resolution, errors.fit)))
     lines = (
@@ -273,13 +271,16 @@ def _of_largest(
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
         Contribution("wander of the phase, resolution, tones nearby", "B", around),
     )
-    return combined(lines, source)
+    return combined_by_names(lines)
 
 
 def _noise(
     floor: NoiseFloor | None, fundamental_Hz: float, unit: str, channel: str, basis: Basis
 ) -> Iterator[Measurement]:
-    which = "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh)"
+    which = (
+        "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh), or where the "
+        "density is steep the means of their squares"
+    )
     names = (
         ("current_noise_floor", unit, f"rms over the peak amplitudes of the {which}"),
         ("current_noise_density", f"{unit}/sqrt(Hz)", f"rms per root of the width of a bin, of the {which}"),
@@ -291,7 +292,7 @@ def _noise(
             )
             continue
         value = floor.amplitude if name == "current_noise_floor" else floor.density
-        source = f"medians of {floor.bins} bins in bands"
+        source = f"scatter of {floor.bins} bins in bands, and what the lines' motion may leave in them"
         yield Measurement(
             name,
             value,
@@ -341,7 +342,7 @@ CURRENT_SPECTRUM: Final = Analysis(
             "decaying dc; of an amplitude that ramps, steps or swings the mean over time",
             "noise beside the line, with the course of the amplitude divided out, or, of one with a memory, "
             "that of its mean over periods; resampling, wander of the phase, resolution, the fit of a tone "
-            "nearby",
+            "nearby, a line less than 1.5 bins away",
         ),
         Quantity(
             ("current_max_low_harmonic",),
@@ -364,9 +365,10 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f_noise_corrected",),
             "%",
             "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics "
-            "2 to H",
+            "2 to H and of what repeated quantisation adds to them on average",
             "half of the longer side of sqrt(x +- 2 u), x what stands under the root, u from the noise in "
-            "the harmonics and the floor's own uncertainty",
+            "the harmonics, the floor's own uncertainty and the scatter of what quantisation adds; and "
+            "those of the A_k that are of type B",
         ),
         Quantity(
             ("current_thd_r",),
@@ -393,7 +395,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "100 sqrt(G_2^2 + ... + G_H^2) / G_1, after IEC 61000-4-7:2002+A1:2008",
             "noise in the lines, as of `current_thd_f`; power beside the lines, by its scatter over the "
             "windows and that of each bin, as two estimates of one variance unless they differ (F-test); the "
-            "phase at which windows begin; of what stands out between harmonics, its phases instead",
+            "phase at which windows begin; what repeated quantisation adds; of what stands out between "
+            "harmonics its phases, the rest then being of the groups without it",
         ),
         Quantity(
             ("current_thd_f_subgroups",),
@@ -404,11 +407,13 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_noise_floor",),
             "A",
-            "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, "
-            "without what is taken out of the harmonics",
-            "of each band's power 1 / (ln 2 sqrt(bins)) of it; of the root, half of that of a power two "
-            "standard uncertainties above; where a phase was followed or the course of an amplitude divided "
-            "out, what the lower bands have more than the upper half",
+            "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, or "
+            "where the density is steep the mean of the squares without lines; without what is taken out of "
+            "the harmonics",
+            "of each band's power 1 / (ln 2 sqrt(bins)) of it, or of steep ones by how few bins hold most of "
+            "it; of the root, the rms of errors of a gamma distribution of that relative deviation; what a "
+            "harmonic whose phase wanders leaks; where a phase was followed or the course of an amplitude "
+            "divided out, what the lower bands have more than the upper half",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

@@ -28,7 +28,7 @@ from benchtool.analysis.spectra.harmonics import (
 from benchtool.analysis.spectra.line_errors import LineErrors
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.statistics.scatter import MeanError
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
 
@@ -73,8 +73,8 @@ def distortions(
             yield Measurement.undefined(name, "%", text, reason, to_last)
             continue
         source = (
-            f"noise beside each harmonic, which alone would read {100 * distortion.noise:.2g} %, the "
-            f"{100 * distortion.bias:.2g} % that it adds, resampling, phase and resolution"
+            f"{', '.join(each.name for each in distortion.budget)}; noise and repeated quantisation alone "
+            f"would read {100 * distortion.noise:.2g} %, and add up to {100 * distortion.bias:.2g} %"
         )
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
         uncertain = _with_bias(distortion, source)
@@ -105,14 +105,13 @@ def _corrected(
 ) -> Measurement:
     name = "current_thd_f_noise_corrected"
     text = (
-        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them adds to "
-        f"it), at least 0, / fundamental"
+        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them and "
+        f"repeated quantisation add to it), at least 0, / fundamental"
     )
     if math.isnan(distortion.corrected):
         reason = "fewer than 8 bins are between harmonics: record longer"
         return Measurement.undefined(name, "%", text, reason, basis)
-    source = "scatter of the noise in the harmonics, and of the floor that is taken out"
-    uncertain = _percent(distortion.corrected_budget, source)
+    uncertain = _percent(distortion.corrected_budget)
     value, why = 100.0 * distortion.corrected, errors.unknown if uncertain is None else ""
     return Measurement(
         name, value, "%", text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
@@ -198,8 +197,7 @@ def group_distortions(
             if beside is not None:
                 phases = beside.of_groups if kind == "group" else beside.of_subgroups
                 budget.append(Contribution("phases of components between the harmonics", "B", phases))
-            source = f"noise in the harmonics, and the power beside them in {groups.windows} windows"
-            uncertain = _percent(budget, source)
+            uncertain = _percent([each for each in budget if each.standard != 0.0])
             if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
                 uncertain = None  # what an amplitude that wanders adds to them has no scatter
             why = errors.unknown if uncertain is None else ""
@@ -250,6 +248,6 @@ def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
     return None if found is None else found.scaled(100.0)
 
 
-def _percent(budget: Iterable[Contribution], source: str) -> Uncertainty | None:
-    found = combined(budget, source)
+def _percent(budget: Iterable[Contribution]) -> Uncertainty | None:
+    found = combined_by_names(budget)
     return None if found is None else found.scaled(100.0)

@@ -295,8 +295,8 @@ def harmonic_table(
         name,
         "amplitude: peak; phase: of the cosine when the fundamental is at its maximum; uncertainty: "
         "standard, of noise and leakage beside the harmonic, resampling, wander of phase and amplitude, "
-        f"lines within a bin and a half, and resolution, x {_BELOW_THAT:g} where noise alone may read the "
-        "amplitude",
+        "the fit of tones nearby, lines within a bin and a half, and resolution, "
+        f"x {_BELOW_THAT:g} where noise alone may read the amplitude",
         (
             ("order", ""),
             ("frequency", "Hz"),

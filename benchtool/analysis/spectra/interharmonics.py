@@ -321,7 +321,9 @@ def _largest(bins: Complex, periods: int) -> float | None:
         return None
     around = np.arange(max(1, at - _AROUND), min(len(size), at + 1 + _AROUND))
     around = around[(np.abs(around - at) > _OF_LINE) & (size[around] > 0.0)]
-    if not len(around) or at + 1 >= len(bins) or not size[at] > _STANDS_OUT * _level(around, size[around], at):
+    if not len(around) or at + 1 >= len(bins):
+        return None
+    if not size[at] > _STANDS_OUT * _level(around, size[around], at):
         return None
     side = 1 if size[at + 1] > size[at - 1] else -1
     ratio = size[at + side] / size[at]

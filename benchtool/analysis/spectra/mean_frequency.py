@@ -51,7 +51,9 @@ def frequency(
         turned_by_tone(spectrum, track, seen, step, beside_rad) if by_tone else turned_by_angle(track, seen)
     )
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
-    clock = "; the clock is left out" if rate_relative is None else ", and of the rate by the time stamps"
+    clock = ", and of the rate by the time stamps"
+    if rate_relative is None:
+        clock = "; of the clock what [bench.clock] states"
     # residue of Newton's method and rounding in a phase
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
     budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))

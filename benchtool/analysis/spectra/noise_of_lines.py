@@ -42,8 +42,9 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     The lower bin of a pair, conjugated, and the upper one, both turned to the line's phase, add up to what
     changes the amplitude of the line and subtract to what changes its phase, as sidebands do. So noise that
     is coloured, or shares its phase with the line, and leakage from interharmonics are seen as they act on
-    the line. Of the pairs without a harmonic the nearest three count by their mean square, the nearest eight
-    by their median, which lines do not disturb, and the larger of both is taken.
+    the line. Of the pairs without a harmonic the nearest three count by their mean square, with what few of
+    them add and where the noise rises towards the line (`noise_at_lines`), the nearest eight by their median,
+    which lines do not disturb, and the larger of both is taken.
     """
     periods, bins = spectrum.periods, spectrum.phasor
     offsets = np.arange(1, 2 * PAIRS + 1)

@@ -58,7 +58,10 @@ _UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
     (0, "current_unbalance_percent", "negative"),
     (1, "current_unbalance_zero_percent", "zero"),
 )
-_SOURCE = "scatter of the components over periods, and what it adds to a magnitude"
+_SOURCE = (
+    "noise of the components, beside the fundamental or from period to period, and what that, repeated "
+    "steps and a phase that wanders do to a magnitude"
+)
 
 
 @dataclass(frozen=True)
@@ -261,7 +264,7 @@ def _component(
         magnitude - moved,
         magnitude,
         (
-            along.line("scatter over periods"),
+            along.line("noise along the phasor"),
             Contribution("what scatter adds to a magnitude", "B", bias, adds_power=True),
             *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
             *((Contribution("what a phase that wanders takes off a magnitude", "B", lost),) if lost else ()),

@@ -21,7 +21,13 @@ from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
 from benchtool.analysis.torque.ripple_percent import no_base, percent
 from benchtool.analysis.torque.ripple_percentiles import HIGH_PERCENT, LOW_PERCENT, percentile_range
 from benchtool.analysis.torque.ripple_scatter import Scatter, scatter_of_periods
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
+from benchtool.analysis.uncertainty import (
+    Contribution,
+    Uncertainty,
+    combined,
+    combined_by_names,
+    coverage_factor,
+)
 from benchtool.analysis.validity import clipping, held_rows, require_signal, require_unbroken, standing
 from benchtool.block import Block, as_samples
 
@@ -30,8 +36,8 @@ _GROWS = "the ripple grows or falls over the whole record: record longer, or cho
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
 _TOO_SLOW_NOISE = "noise too slow for the record"
 _MEET_SLOWLY = (
-    "it, or where in its few steps the rows fall, wanders more slowly than the record shows: record longer, or "
-    "in finer steps"
+    "it, or where in its few steps the rows fall, wanders more slowly than the record shows: record longer, "
+    "or in finer steps"
 )
 _DOF_OF_EXTREMES = 10.0  # of a tail from a few of the largest values
 
@@ -249,7 +255,7 @@ class _Seen:
             why = _MEET_SLOWLY if in_few_steps else TOO_SLOW
             line = error.line(f"scatter over {self.scatter.periods} {self.scatter.repeated}")
             lines = tuple(each for each in (line, *further) if each.standard != 0.0)
-            uncertain = combined(lines, f"{line.name}, resolution")
+            uncertain = combined_by_names(lines or (line,))
         return Measurement(
             name,
             value,

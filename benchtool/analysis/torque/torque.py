@@ -125,9 +125,10 @@ _NUMBERS: Final = (
         "incomplete cycles of sinusoids slower than a period",
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
-        "that, or by the density continued to zero frequency where that is 1.4 times as much (none where it "
-        "rises more steeply than that of 1/f noise), less where it probably falls there; by how much what "
-        "was taken out differs from period to period; resolution that repeats",
+        "that, or by the density continued to zero frequency where that is 1.4 times as much, of few "
+        "periods where it is more (none where it rises more steeply than that of 1/f noise), or of few "
+        "pooled with it where it does not rise; less where it probably falls there; by how much what was "
+        "taken out differs from period to period; resolution that repeats",
     ),
     (
         ("ripple_pp",),

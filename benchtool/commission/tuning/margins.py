@@ -30,7 +30,7 @@ class Margins:
 
 
 def margins(open_loop: Callable[[Complex], Complex], T_s: float) -> Margins:
-    """Return the margins of a loop (Astroem and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
+    """Return the margins of a loop (Åström and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
 
     Args:
         open_loop: its response, of z.

@@ -357,3 +357,18 @@ def test_every_number_without_an_uncertainty_says_why() -> None:
         for each in found
         if each.uncertainty is None and not (each.uncertainty_reason or each.reason)
     ] == []
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_sources_name_what_is_in_the_budget_and_nothing_else(seed: int) -> None:
+    clean = capture()
+    noise = 1e-3 * np.random.default_rng(seed).standard_normal(clean.data.shape)
+    noise[:, [clean.names.index("theta_m"), clean.names.index("switching_count")]] = 0.0
+
+    found = analyze_steady_state(replace(clean, data=clean.data + noise), pole_pairs=4, torque_rated_Nm=2.0)
+
+    of_budgets = [each.uncertainty for each in found.measurements if each.uncertainty is not None]
+    for error in ("resolution", "resampling", "wander of the phase", "tones nearby", "noise too slow"):
+        for uncertain in of_budgets:
+            is_in_budget = any(error in line.name for line in uncertain.budget)
+            assert is_in_budget or error not in uncertain.source, uncertain.source
