@@ -156,7 +156,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
         f"of j frequency; the reference of the others"
     )
     of_gain = max(rest.relative_error, found.at_rest)  # which is in the errors of single frequencies too
-    gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL}, and of the fit")
+    gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL} and of the fit, or a converter's steps")
     not_known = rest.undefined_because and f"response_gain is not known: {rest.undefined_because}"
     if rest.undefined_because:
         yield Measurement.undefined("response_gain", unit, text, rest.undefined_because, basis)
@@ -216,7 +216,7 @@ def _frequency(name: str, definition: str, found: Point | None, reason: str, bas
         return Measurement.undefined(name, "Hz", definition, reason, basis)
     if found.undefined_because:
         return Measurement.undefined(name, "Hz", definition, found.undefined_because, basis)
-    source = f"{_STATISTICAL}, over the slope, and the length of the local fit"
+    source = f"{_STATISTICAL} and of the level, over the slope, and the length of the local fit"
     uncertainty = Uncertainty(found.standard_Hz, source)
     return Measurement(name, found.frequency_Hz, "Hz", definition, basis, uncertainty)
 
@@ -247,7 +247,7 @@ def _resonance(
     if reason:
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
     peak_dB, standard_dB = above_zero(peak_dB, standard_dB)
-    uncertain = Uncertainty(standard_dB, _STATISTICAL)
+    uncertain = Uncertainty(standard_dB, f"{_STATISTICAL}, and of response_gain")
     return Measurement(
         "resonance_peak", peak_dB, "dB", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
     )

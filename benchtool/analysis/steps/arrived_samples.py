@@ -26,7 +26,7 @@ from benchtool.analysis.statistics.tail import tail_index, tail_indices_of_heavy
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 
 Floats = NDArray[np.float64]
 Side = Callable[[Floats], Floats]
@@ -46,7 +46,6 @@ _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error withi
 _PLACES = 32  # in which an instant may be, each as likely
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _TIMES = "times of the samples, which scatter"
-_SOURCE = "noise of the samples about their course, the row of the first of them, and a converter's step"
 
 
 LITTLE = 0.1
@@ -309,7 +308,8 @@ class ArrivedSamples:
 
 def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertainty | None:
     row = Contribution("row of the first of the samples", "B", begun)
-    return combined([*noise, row, Contribution("step of a converter", "B", abs(steps))], _SOURCE)
+    lines = [*noise, row, Contribution("step of a converter", "B", abs(steps))]
+    return combined_by_names([each for each in lines if each.standard != 0.0] or [row])
 
 
 def _in_course(errors: Floats, rms: float, begin: Instant) -> Floats:

@@ -206,7 +206,8 @@ def _time(step: Step, name: str, definition: str, found: Instant | None, reason:
     """Return a time from the step to an instant."""
     if found is not None:
         found = _after(found.place - step.zero, found.standard, step.zero_error)
-    return _interval(step, name, definition, found, reason)
+    of_step = ", and when since the row before its own the step was made" if step.zero_error else ""
+    return _interval(step, name, definition, found, reason, of_step)
 
 
 def _after(since: float, standard: float, zero_error: float) -> Instant:
@@ -223,19 +224,24 @@ def _after(since: float, standard: float, zero_error: float) -> Instant:
     return Instant(given, float(np.sqrt(np.mean((possible - given) ** 2))))
 
 
-def _interval(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """Return a time between two instants."""
+def _interval(
+    step: Step, name: str, definition: str, found: Instant | None, reason: str, of_step: str = ""
+) -> Measurement:
+    """Return a time between two instants, in whose uncertainty is what `of_step` says besides."""
     if found is not None and not math.isfinite(found.standard):
         found, reason = None, UNDECIDED
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
-    source = "noise of the smoothed signal over its slope, and where between two samples it may be"
+    source = f"noise of the smoothed signal over its slope, where between two samples it may be{of_step}"
     uncertainty = Uncertainty(found.standard * step.period_s, source)
     return Measurement(name, found.place * step.period_s, "s", definition, step.basis, uncertainty)
 
 
 def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
-    source = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
+    source = (
+        "noise of the smoothed signal, by a parametric bootstrap, its course between samples, what windows "
+        "do to it, and noise of the reference"
+    )
     greatest, of_curve = curve.greatest(kinked=True)
     peak = None
     if greatest - step.greatest > _EXTREME * math.hypot(of_curve, step.greatest_error):
