@@ -43,6 +43,7 @@ _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero freque
 _BY_CHANCE = 0.05  # probability that the greatest of many errors looks like a peak
 _PLAYED = "stimulus"
 _STATISTICAL = "random error of the response"
+_LOCALLY = "by a local parabola, or between few frequencies a cubic of the reciprocal of the response"
 
 Floats = NDArray[np.float64]
 
@@ -165,7 +166,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 
     rest_dB = NEPER_DB * rest.relative_error
     relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB)
-    text = "lowest frequency at which the gain is 3.01 dB below response_gain, by a local parabola"
+    text = f"lowest frequency at which the gain is 3.01 dB below response_gain, {_LOCALLY}"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
     if not not_known and rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
@@ -174,7 +175,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
         down, reason = None, not_known
     yield _frequency("bandwidth_3dB", text, down, reason, basis)
 
-    text = "lowest frequency at which the phase is -90 degrees, by a local parabola"
+    text = f"lowest frequency at which the phase is -90 degrees, {_LOCALLY}"
     reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
     if rest.goes_on:
         turned, reason = None, f"it may be passed below that: {rest.undefined_because}"

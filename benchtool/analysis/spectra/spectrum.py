@@ -241,7 +241,8 @@ def coherent_spectrum(
 
     Neither a drift of the speed nor a period of a fractional number of samples leaks the fundamental into
     other bins; the window is rectangular. Frequencies are orders times the mean fundamental. Error of an
-    amplitude below 0.45 of the sample rate: under 1e-4 of itself plus 1e-5 of the largest component.
+    amplitude below 0.45 of the sample rate: under 1e-4 of itself plus 3e-5 of the largest component, and far
+    less at low frequencies (`resampling.gain_error`).
 
     Raises:
         AnalysisError: too short (fewer than two periods), not finite, constant, not of shape (n,), a rate
