@@ -158,7 +158,7 @@ class _OfFewSteps(RepeatedSteps):
 
 def rms_before_steps(rms: float, step: float, repeated: RepeatedSteps | None = None) -> float:
     """Return the rms about its mean of what was read with an `rms` in steps, whose errors are `repeated` in
-    every period or, where that is None, hidden by noise."""
+    every period; None where noise hides them."""
     added = _on_average(step) if repeated is None else repeated.added_power(step)
     return math.sqrt(max(0.0, rms**2 - added))
 
