@@ -74,8 +74,8 @@ class Sensor(Instrument):
     of error of a data sheet (`gain_limit_percent`, `offset_limit_A`: a half-width, rectangular,
     u = limit / sqrt(3), 4.3.7). The gain is relative to the reading, offset and `resolution_A` are in the
     channel's unit, in which their keys end. `bandwidth_Hz` is where the sensor has lost 3 dB: a guarantee,
-    unless `bandwidth_tolerance_percent` states that its response is that of a first-order lag, and how well
-    it is known; its loss is corrected then.
+    and half of what it may have taken off is corrected, unless `bandwidth_tolerance_percent` states that its
+    response is that of a first-order lag, and how well it is known; its whole loss is corrected then.
     """
 
     gain_U_percent: NotNegative | None = None
@@ -89,7 +89,8 @@ class Sensor(Instrument):
     resolution: NotNegative | None = None
     """Step of the reading. The key ends in the channel's unit: `resolution_A`."""
     bandwidth_Hz: Positive | None = None
-    """Where the sensor, taken as a first-order lag, has lost 3 dB."""
+    """Where the sensor has lost 3 dB at most: a guarantee, or with `bandwidth_tolerance_percent` where its
+    response, that of a first-order lag, has lost them."""
     bandwidth_tolerance_percent: Annotated[float, Field(ge=0, le=50)] | None = None
     """Limits of error of the bandwidth, of a response that was found to be a first-order lag's."""
     unit: str = ""
