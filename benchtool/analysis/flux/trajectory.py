@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -200,11 +200,13 @@ class _Revolutions:
         *further: Contribution,
         content: Content = _LEVEL,
         of: str = "scatter over",
+        of_student: bool = True,
     ) -> Measurement:
-        """Return a number with its error, `of` what over the revolutions, and further contributions."""
+        """Return a number with its error, `of` what over the revolutions, and further contributions; an error
+        that is not `of_student` does not allow for being known from few."""
         if self.reason:
             return Measurement.undefined(name, "Wb", text, self.reason, self.basis)
-        budget = [error.line(f"{of} {len(self.means)} revolutions")]
+        budget = [replace(error.line(f"{of} {len(self.means)} revolutions"), of_student=of_student)]
         budget += [each for each in further if each.standard != 0.0]
         uncertain = combined_by_names(budget)
         return Measurement(
@@ -238,7 +240,17 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     between = between_samples(radius, flux.turns)
     missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
     by = "scatter of the extremes, by those of"
-    yield flux.number("flux_radius_pp", text, span, extremes, of_both, missed, content=Extremes(), of=by)
+    yield flux.number(
+        "flux_radius_pp",
+        text,
+        span,
+        extremes,
+        of_both,
+        missed,
+        content=Extremes(),
+        of=by,
+        of_student=False,
+    )
     name, text = "flux_radius_rms", "rms of sqrt(psi_alpha^2 + psi_beta^2) about its mean"
     if step:
         rms = rms_before_steps(rms, step)

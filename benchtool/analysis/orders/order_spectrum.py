@@ -244,7 +244,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.hypot(_of_student(noise.in_phase, noise.dof), others),
+        standard=np.hypot(np.maximum(noise.in_phase, _of_student(noise.experimental, noise.dof)), others),
         others=others,
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
@@ -252,7 +252,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         uncertainty_source="noise and leakage beside the order, resampling, resolution, wander of the phase, "
         f"and {about}",
         dof=noise.dof,
-        stands_out_above=_explained(noise.in_phase, _OF_DOF * noise.dof, others),
+        stands_out_above=_explained(noise.experimental, _OF_DOF * noise.dof, others),
         lost=lost,
         beside=beside,
         step=step,

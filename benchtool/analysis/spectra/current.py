@@ -24,7 +24,7 @@ from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.mean_frequency import frequency
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor
-from benchtool.analysis.spectra.noise_of_lines import line_noise
+from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise, line_noise
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.spectra.spectrum import (
@@ -266,7 +266,9 @@ def _of_largest(
     noise = line_noise(spectrum, np.array([place]))
     around = math.hypot(*(float(each[nearest]) for each in (errors.phase, errors.resolution, errors.fit)))
     lines = (
-        Contribution("noise and leakage beside the line", "A", float(noise.in_phase[0]), float(noise.dof[0])),
+        contribution_of_noise(
+            "noise and leakage beside the line", float(noise.in_phase[0]), float(noise.dof[0])
+        ),
         of_many,
         Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
         Contribution("wander of the phase, resolution, tones nearby", "B", around),

@@ -14,6 +14,7 @@ from benchtool.analysis.measurement import Basis, LineColumn, Table
 from benchtool.analysis.spectra.line_errors import SURE_OF_STEPS, LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum
 from benchtool.analysis.spectra.noise import noise_floor
+from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
@@ -245,7 +246,7 @@ def _content(
     by_steps, by_fit = weighted(errors.resolution), weighted(errors.fit)
     by_lines = weighted(errors.beside)
     budget = (
-        Contribution("noise and leakage beside the harmonics", "A", beside.standard, beside.dof),
+        contribution_of_noise("noise and leakage beside the harmonics", beside.standard, beside.dof),
         Contribution("resampling", "B", float(np.sum(weighted(errors.resampling)))),
         Contribution("wander of the phase", "B", float(np.sum(weighted(errors.phase)))),
         Contribution("resolution", "B", math.sqrt(float(np.sum(by_steps**2)))),

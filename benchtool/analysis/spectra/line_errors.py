@@ -12,7 +12,7 @@ from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps
 from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.modulation import is_modulated_alike, wander_of_mean
 from benchtool.analysis.spectra.noise import harmonic_noise
-from benchtool.analysis.spectra.noise_of_lines import line_noise
+from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise, line_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution
@@ -92,7 +92,7 @@ class LineErrors:
         """Return the contributions to the amplitude of harmonic `index` + 1, without those that are zero; in
         a ratio of lines what they have in common cancels."""
         lines = (
-            Contribution("noise and leakage beside the line", "A", self.noise[index], self.dof[index]),
+            contribution_of_noise("noise and leakage beside the line", self.noise[index], self.dof[index]),
             Contribution("resampling", "B", self.resampling[index]),
             Contribution("wander of the phase", "B", self.phase[index]),
             Contribution("resolution", "B", self.resolution[index]),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import median_of_exponentials, students_deviation
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.statistics.scatter import MeanError
+from benchtool.analysis.uncertainty import Contribution
 
 PAIRS = 8
 """Pairs of bins around a line that its noise is read off."""
@@ -33,6 +34,16 @@ class LineNoise:
     quadrature: NDArray[np.float64]
     dof: NDArray[np.float64]
     lost: NDArray[np.float64]
+
+    @property
+    def experimental(self) -> NDArray[np.float64]:
+        """`in_phase` without what is added because it is of few degrees of freedom."""
+        return np.asarray(self.in_phase / [_of_few(round(0.5 * each)) for each in self.dof])
+
+
+def contribution_of_noise(name: str, standard: float, dof: float) -> Contribution:
+    """Return the line of a budget for noise by pairs of bins: that of few pairs has Student's deviation."""
+    return Contribution(name, "A", standard, dof, of_student=dof < 2.0 * PAIRS)
 
 
 def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:

@@ -10,7 +10,9 @@ import pytest
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.angle_orders import fit_orders
+from benchtool.analysis.orders.order_spectrum import orders_at_speed
 from benchtool.analysis.orders.orders import describe_orders
+from benchtool.block import Block
 from tests.unit.analysis.orders.cogging_torque import torque_at
 from tests.unit.analysis.orders.test_orders import fitted, uneven_angle
 
@@ -47,6 +49,21 @@ def test_orders_that_take_along_half_of_the_rows_leave_less_scatter(revolutions:
         spectrum = fitted(angle, values)
         errors.append((spectrum.amplitude[5] - 1.0) / spectrum.standard[5])
     assert 0.7 < float(np.sqrt(np.mean(np.square(errors)))) < 1.25
+
+
+@pytest.mark.parametrize("revolutions", [2.3, 3.3, 4.3])
+def test_few_pairs_of_bins_count_once_in_orders_by_time(revolutions: float) -> None:
+    """Beside order 1 there are few pairs, beside order 6 as many as are asked for."""
+    errors, rows = [], 3000
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        turned = TURN * revolutions * np.arange(rows) / rows + random.uniform(0.0, TURN)
+        torque = np.cos(6 * turned) + 0.3 * np.cos(turned) + 0.05 * random.standard_normal(rows)
+        block = Block.from_arrays(1e3, {"torque": "Nm"}, torque=torque)
+        spectrum = orders_at_speed(block, "torque", TURN * revolutions / (rows / 1e3))
+        errors.append((spectrum.amplitude[[0, 5]] - [0.3, 1.0]) / spectrum.standard[[0, 5]])
+    np.testing.assert_array_less(0.5, np.sqrt(np.mean(np.square(errors), axis=0)))
+    np.testing.assert_array_less(np.sqrt(np.mean(np.square(errors), axis=0)), 1.3)
 
 
 def test_of_hardly_more_than_one_revolution_no_order_has_an_uncertainty() -> None:

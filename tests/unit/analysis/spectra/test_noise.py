@@ -25,8 +25,10 @@ from benchtool.analysis import (
     track_tone,
 )
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
+from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise, noise_at_lines
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
+from benchtool.analysis.uncertainty import combined
 from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3
@@ -422,6 +424,20 @@ def test_sidebands_act_on_amplitude_or_phase_whatever_the_phase_of_the_line(phas
         assert found[rests] < 0.1 * found[acts]
         quadratures.append(hann_quadrature(spectrum).standard)
     assert quadratures[0] < 0.1 * quadratures[1]
+
+
+@pytest.mark.parametrize("periods", [2, 3, 5])
+def test_the_interval_of_an_amplitude_of_few_periods_holds_it_as_often_as_stated(periods: int) -> None:
+    """Few pairs of bins count in the standard uncertainty, and not once more in the factor k."""
+    random, bins, held = np.random.default_rng(3), np.arange(12 * periods + 1), 0
+    for _ in range(600):
+        noise = 1e-3 * random.standard_normal((2, len(bins)))
+        phasor = noise[0] + 1j * noise[1] + (bins == periods)
+        spectrum = CoherentSpectrum(bins * 50.0 / periods, np.abs(phasor), periods, 1e4, phasor)
+        uncertain = combined(line_errors(spectrum, 3).budget(0), "")
+        assert uncertain is not None
+        held += abs(float(np.abs(phasor[periods])) - 1.0) < uncertain.expanded
+    assert held / 600 == pytest.approx(0.96, abs=0.022)
 
 
 def test_three_periods_have_no_pairs_under_a_hann_window() -> None:
