@@ -19,11 +19,13 @@ from benchtool.tables.record import Record
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
+    electrical,
     numbers_in_head,
     of_clock,
     of_stretch,
     of_tables,
     other_frequency,
+    other_speed,
     overdue,
     remarks,
     units_assumed,
@@ -88,11 +90,13 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *numbers_in_head(columns.table.layout),
         *units_assumed(columns.chosen),
+        *electrical(columns.chosen, question.pole_pairs),
         *of_clock(columns.clock, columns.chosen.get("time")),
         *of_tables(columns.joined),
         *remarks(record),
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
+        *other_speed(record),
         *overdue(instruments.bench, question.day),
     )
     return TableAnswer(measurements, tables, _source(columns, record), record, odd)

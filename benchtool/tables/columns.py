@@ -150,10 +150,10 @@ def read_columns(question: TableQuestion) -> TableColumns:
         chosen["time"], data[:, 0], clock = found
         between = ()  # whether the rows go on is told by their time
     if question.rate_Hz is not None:
-        if "wrong number of cells" in rows.dropped:
+        if rows.left_out.broken:
             names = "".join(f", '{each.text}' at line {each.line} has names" for each in between[:1])
             raise AnalysisError(
-                f"{question.file} has {count_of(rows.dropped['wrong number of cells'], 'row')} with a wrong "
+                f"{question.file} has {count_of(rows.left_out.broken, 'row')} with a wrong "
                 f"number of cells{names}, which a stated rate leaves without a time: name the column of the "
                 f"time, or fix them"
             )

@@ -16,7 +16,9 @@ BAR = "|"
 
 _BETWEEN_BARS = re.compile(r"\s*\|(.*)\|\s*")
 _BRACKETED = re.compile(r"\(.*\)|\[.*\]")
-_IN_BRACKETS = re.compile(r"\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>")
+_IN_BRACKETS = re.compile(
+    r"\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>|[（［〔【]([^（）［］〔〕【】]*)[）］〕】]"
+)
 _BRACKETS = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})")
 _RULE_SIGNS = frozenset("-=_+|:~* \t")
 _ASSIGNED = re.compile(r"[^=]+=[^=]*")
@@ -326,7 +328,13 @@ def _is_foreign(text: str) -> bool:
 
 
 def _in_brackets(name: str) -> list[str]:
-    return ["".join(each).strip() for each in _IN_BRACKETS.findall(name)]
+    """Return what stands in brackets, that of `in mA` without the preposition."""
+    texts = ["".join(each).strip() for each in _IN_BRACKETS.findall(name)]
+    matches = [_IN_A_UNIT.fullmatch(text) for text in texts]
+    return [
+        match[2] if match is not None and not match[1] and is_unit(match[2]) else text
+        for text, match in zip(texts, matches, strict=True)
+    ]
 
 
 def _quotient(name: str) -> tuple[str, str]:

@@ -43,7 +43,8 @@ class Layout:
     thousands might be. `head_units` are all units in the head, whether of a column or not, and those of two
     letters or more in cells beside and below the numbers. `head_numbers` is the last line of numbers right
     above the rows that was taken for one of the head.
-    `signals` is the number of a column, from 1, that says which signal each row has, 0 without one.
+    `signals` is the number of a column, from 1, that says which signal each row has, 0 without one;
+    `is_number_first` is whether the first column is one of numbers.
     """
 
     delimiter: str
@@ -56,6 +57,7 @@ class Layout:
     head_units: tuple[str, ...] = ()
     head_numbers: str = ""
     signals: int = 0
+    is_number_first: bool = False
 
 
 def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = True) -> Layout:
@@ -104,7 +106,10 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     if not above.columns and fit.delimiter == "," and all(map(_is_whole, by_column)):
         _require_no_split_decimals(last, texts[above.lines], by_column, source)
     named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
-    words = filter(is_unit, _aside(cells_of, fit))
+    words = _aside(cells_of, fit)
+    units = (*units_in(in_head, fit.delimiter), *filter(is_unit, words))
+    if any("max" in each.lower() for each in (*in_head, *words)):
+        units = tuple(each for each in units if each.lower() != "min")  # the least value, and no minute
     return Layout(
         fit.delimiter,
         fit.decimal,
@@ -116,9 +121,10 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         begin=sum(len(line) + 1 for line in lines[: above.lines]),
         head=last,
         is_open=_is_open(fit, by_column),
-        head_units=tuple(dict.fromkeys((*units_in(in_head, fit.delimiter), *words))),
+        head_units=tuple(dict.fromkeys(units)),
         head_numbers=above.numbers,
         signals=signal_column(in_rows, fit.numeric),
+        is_number_first=fit.numeric[0],
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -11,6 +12,8 @@ from enum import StrEnum
 import numpy as np
 
 from benchtool.analysis import Measurement, clipping
+from benchtool.analysis.orders import unwrapped_angle
+from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.clocks import Clock
 from benchtool.tables.head import Column
@@ -22,6 +25,16 @@ from benchtool.tables.stale_rows import too_stale
 from benchtool.tables.units import is_listed
 
 _LARGEST_SLIP = 0.1  # an induction machine's at its rated load is less
+_OFTEN_IN: Mapping[str, tuple[str, str, str]] = {
+    "time": ("seconds were", "every frequency rests", "ms"),
+    "speed": ("rad/s was", "all of its numbers rest", "rpm"),
+    "angle": ("rad was", "every order rests", "deg"),
+}
+_ELECTRICAL = re.compile(
+    r"(?<![a-z])(?:el|elec\w*|elektr\w*|électr\w*|erpm)(?![a-z])"
+    r"|(?<![a-z])(?:theta|omega|phi|w|[θωφ])_?e(?:l|lec)?(?![a-z])",
+    re.IGNORECASE,
+)
 _LARGEST_DEVIATION = 0.01  # of a stated speed: a line further away is taken for none of an order
 
 
@@ -37,6 +50,8 @@ class RemarkKind(StrEnum):
     OTHER_FREQUENCY = "other_frequency"
     CALIBRATION_OVERDUE = "calibration_overdue"
     CALIBRATED_LATER = "calibrated_later"
+    OTHER_SPEED = "other_speed"
+    ELECTRICAL = "electrical"
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
     TIME_GOES_BACK = "time_goes_back"
@@ -116,8 +131,8 @@ def numbers_in_head(layout: Layout) -> Iterator[Remark]:
 
 
 def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
-    """Yield that seconds were assumed for a time without a unit, on which every frequency rests, and SI for a
-    column with words in brackets that are not known to describe one."""
+    """Yield that SI was assumed of a time, speed or angle without a unit, which often are in another one, and
+    of a column with words in brackets that are not known to describe one."""
     for what, each in chosen.items():
         if each.unit_from != "assumed":
             continue
@@ -128,12 +143,54 @@ def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
                 f"assumed: if it is a unit, state it, as --{what.partition('_')[0]} '{each.number}:UNIT*GAIN'"
             )
             yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
-        elif what == "time":
+        elif what in _OFTEN_IN:
+            taken, on_it, other = _OFTEN_IN[what]
             text = (
-                f"the unit of the time '{name}' is not stated, seconds were taken, and every frequency rests "
-                f"on that: state it, as --time '{name}:ms'"
+                f"the unit of the {what} '{name}' is not stated, {taken} taken, and {on_it} on that: state "
+                f"it, as --{what} '{name}:{other}'"
             )
             yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
+
+
+def electrical(chosen: Mapping[str, Selection], pole_pairs: int | None) -> Iterator[Remark]:
+    """Yield that a speed or an angle is by its name an electrical one, where no gain makes it mechanical."""
+    for what in ("speed", "angle"):
+        each = chosen.get(what)
+        if each is None or each.gain != 1.0 or not _ELECTRICAL.search(each.name):
+            continue
+        of, pairs = each.name or str(each.number), pole_pairs or 4
+        effect = (
+            f"a mechanical one is smaller by the pole pairs: state the gain, as --speed "
+            f"'{of}:{each.unit}*{1.0 / pairs:.4g}' for {pairs}"
+            if what == "speed"
+            else "orders are counted in each of its turns, not in those of the shaft"
+        )
+        text = f"the {what} '{of}' is by its name electrical, and was taken as mechanical: {effect}"
+        yield Remark(RemarkKind.ELECTRICAL, what, text)
+
+
+def other_speed(record: Record) -> Iterator[Remark]:
+    """Yield that the angle advances at another speed than that of the column of the speed."""
+    if not record.channels.keys() >= {"angle", "speed"}:
+        return
+    name, time_s = record.channels["angle"].name, record.data[:, 0]
+    try:
+        angle_rad = unwrapped_angle(record.column("angle"), name)
+    except AnalysisError:
+        return
+    elapsed_s = float(time_s[-1] - time_s[0])
+    if elapsed_s <= 0.0 or record.base.refusal:
+        return
+    of_angle = float(angle_rad[-1] - angle_rad[0]) / elapsed_s
+    of_speed = float(np.mean(record.column("speed")))
+    if abs(abs(of_angle) - abs(of_speed)) > _LARGEST_SLIP * max(abs(of_angle), abs(of_speed)):
+        yield Remark(
+            RemarkKind.OTHER_SPEED,
+            "speed",
+            f"the mean of '{record.channels['speed'].name}' is {of_speed:.4g} rad/s, and '{name}' advances "
+            f"by {of_angle:.4g} rad in a second: check the units of time, angle and speed, and that both are "
+            f"mechanical",
+        )
 
 
 def of_clock(clock: Clock, time: Selection | None) -> Iterator[Remark]:

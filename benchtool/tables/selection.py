@@ -10,16 +10,19 @@ from benchtool.errors import AnalysisError
 from benchtool.tables.head import Column
 from benchtool.tables.layout import Layout
 from benchtool.tables.scaling import Scaling, scaling, speed_hint
+from benchtool.tables.unit_in_name import name_before_unit, perhaps_in_name, unit_in_name
 from benchtool.tables.units import (
     PERCENT,
     is_reciprocal_second,
-    name_before_unit,
-    unit_behind,
     unit_factor,
     units_of,
 )
 
 _SPEED = "rad/s"
+_FACTOR = re.compile(
+    r"(?<![A-Za-z0-9])[xX]\s*10+(?!\d)|[×*·]\s*10+(?!\d)|(?<!\d)10+\s*[xX×*](?![A-Za-z0-9])"
+    r"|10\^[+-]?\d+|(?<![\w.])1[eE][+-]?\d+(?!\w)"
+)
 _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
 
 
@@ -83,12 +86,22 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"{path} has the unit '{elsewhere}', but not of which column; '{wanted}' has none: "
             f"state it in the option, as '{wanted}:{si_unit}' or '{wanted}:{elsewhere}'"
         )
+    if unit_from == "assumed" and (perhaps := perhaps_in_name(column.bare_name, si_unit)):
+        raise AnalysisError(
+            f"the name of column '{wanted}' of {path} ends in '{perhaps}', which may be its unit: state it "
+            f"in the option, as '{wanted}:{si_unit}' or '{wanted}:{perhaps}'"
+        )
     if factor is None:
         by = "which its head states" if unit_from == "head" else "as given"
         raise AnalysisError(
             f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
             f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
             f"one step is another size, as '{wanted}:{si_unit}*0.01'"
+        )
+    if not stated.unit and (match := _FACTOR.search(column.name)):
+        raise AnalysisError(
+            f"'{match[0]}' in the name of column '{wanted}' of {path} may be a factor of its values: state "
+            f"the unit of a cell, as '{wanted}:{unit}', with the gain if it is one, as '{wanted}:{unit}*0.01'"
         )
     if unit_from == "head" and is_reciprocal_second(unit) and _OF_AN_ANGLE.search(column.name):
         raise AnalysisError(
@@ -107,8 +120,8 @@ def _unit(column: Column, si_unit: str) -> tuple[str, str]:
         return column.unit, "head"
     if column.in_brackets and unit_factor(column.in_brackets, si_unit) is not None:
         return column.in_brackets, "head"
-    behind = unit_behind(column.bare_name, si_unit)
-    return (behind, "head") if behind else (si_unit, "assumed")
+    named = unit_in_name(column.bare_name, si_unit)
+    return (named, "head") if named else (si_unit, "assumed")
 
 
 def _unit_elsewhere(layout: Layout, si_unit: str) -> str:

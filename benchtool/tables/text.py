@@ -16,6 +16,7 @@ from pyarrow import csv
 
 from benchtool.errors import RecordingError
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
+from benchtool.tables.cut_short import without_cut_number
 from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import BAR
 from benchtool.tables.labelled_values import as_columns
@@ -111,6 +112,7 @@ class TextTable:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         text, added = as_columns(ascii_numbers(text))
         layout = find_layout(text, str(path), decimal, timed=timed)
+        text = without_cut_number(text, layout)
         table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added), text)
         return table._settled() if table.layout.is_open and not decimal else table
 
@@ -132,15 +134,17 @@ class TextTable:
     def rows(self, selections: Sequence[Selection]) -> Rows:
         """Return the numbers of some columns, in SI units.
 
-        A row with another number of cells than the table has columns, or with a cell of these columns that is
-        empty, not a number, 9.9e37 and more, or a mark of no reading, is left out and counted; blank lines
-        and comments do not count.
+        A row with another number of cells than the table has columns, with a cell of these columns that is
+        empty, not a number, 9.9e37 and more, or a mark of no reading, or that begins with a word in a column
+        of numbers, as a summary does (`Mean`), is left out and counted; blank lines and comments do not
+        count.
 
         Raises:
             RecordingError: the text cannot be split into rows and cells.
         """
         wanted = [each.number - 1 for each in selections]
-        table, texts, wrong = self._parse(list(dict.fromkeys(wanted)))
+        first = [0] if self.layout.is_number_first else []
+        table, texts, wrong = self._parse(list(dict.fromkeys([*wanted, *first])))
         data = np.empty((table.num_rows, len(wanted)), order="F")
         cells = np.zeros(data.shape, dtype=np.int8)
         marks: dict[str, NDArray[np.bool_]] = {}
@@ -161,6 +165,12 @@ class TextTable:
             data[:, place] *= selection.gain * selection.factor
             data[:, place] += selection.offset * selection.factor
         cells[(cells == Cell.NUMBER) & ~(np.abs(data) < _NO_READING)] = Cell.MISSING
+        if first and texts is not None:
+            begins = texts["0"].combine_chunks()
+            is_word = np.array([_is_label(each) for each in begins.to_pylist()], dtype=np.bool_)
+            if is_word.any():
+                cells[is_word] = Cell.MISSING
+                marks["a word in the first cell"] = is_word
         kept = (cells == Cell.NUMBER).all(axis=1)
         lost = np.flatnonzero(~kept)
         counts = {why: int(np.count_nonzero(each)) for why, each in marks.items()}
@@ -276,6 +286,11 @@ class TextTable:
             of_other = other if use_of(other, each) == Use.EITHER else ""
             columns[number] = replace(columns[number], open_sign=sign if is_either else of_other)
         return replace(self, layout=replace(layout, columns=tuple(columns)))
+
+
+def _is_label(cell: str | None) -> bool:
+    """Return whether the first cell of a row is a word that stands in place of no number."""
+    return cell is not None and cell.strip()[:1].isalpha() and kind_of_word(cell) is None
 
 
 def _cells(values: NDArray[np.float64], texts: pa.ChunkedArray | None) -> NDArray[np.int8]:

@@ -95,6 +95,15 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
             resolution_s,
         )
     if len(repeated) > _REPEATED_BY_RESOLUTION * len(steps):
+        count = len(steps) - len(repeated) + 1
+        if count < _FEWEST_STAMPS:
+            return _refused(
+                time_s,
+                f"the time has {count} different values in {len(time_s)} rows, "
+                f"{steps[steps > 0.0].min():.4g} s apart, at least {_FEWEST_STAMPS} are needed to tell a "
+                f"rate: export the time with more digits, or state the rate in its place",
+                resolution_s,
+            )
         return _coarse(time_s, steps, max(resolution_s, _resolution_of_the_last(time_s), key=_number))
     if len(repeated):
         return _refused(

@@ -26,12 +26,15 @@ _CHARACTERS = str.maketrans(
     }
 )
 _POUND_N, _INCH_M = 0.45359237 * 9.80665, 0.0254  # exact: the international pound and inch, standard gravity
+_POUNDS_N: Mapping[str, float] = {
+    **dict.fromkeys(("lbf", "lb", "lbs"), _POUND_N),
+    **dict.fromkeys(("ozf", "oz"), _POUND_N / 16),
+}
 _FORCES_N: Mapping[str, float] = {
     "N": 1.0,
     **dict.fromkeys(("kgf", "kp", "kg"), 9.80665),
     **dict.fromkeys(("gf", "g", "p"), 9.80665e-3),
-    **dict.fromkeys(("lbf", "lb", "lbs"), _POUND_N),
-    **dict.fromkeys(("ozf", "oz"), _POUND_N / 16),
+    **_POUNDS_N,
     "dyn": 1e-5,
 }
 _LENGTHS_M: Mapping[str, float] = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3}
@@ -56,7 +59,7 @@ _ELSEWHERE: Mapping[str, Mapping[str, float]] = {
         },
         **{
             spelt: newton * metre
-            for force, newton in _FORCES_N.items()
+            for force, newton in _POUNDS_N.items()
             for length, metre in _INCHES_M.items()
             for spelt in (force + length, length + force)
         },
@@ -100,7 +103,12 @@ _REVOLUTIONS = frozenset(
 )
 _PER = re.compile(r"(?P<above>.*?)(?:/|per)(?P<below>[a-zа-я]+)")  # deg/min, 1/s, tr/min
 _POWER = re.compile(r"(?P<above>.*?)(?P<below>s|min)(?:-1|\^-1|\^\(-1\))")  # min-1, s^-1
-_ROTATIONS = {"rpm": "1/min", "upm": "1/min", "rps": "1/s", "umin": "1/min"}
+_ROTATIONS = {
+    **dict.fromkeys(("rpm", "upm", "umin"), "1/min"),
+    **dict.fromkeys(("rps", "revps"), "1/s"),
+    **dict.fromkeys(("dps", "degps"), "deg/s"),
+    "radps": "rad/s",
+}
 PERCENT = ("%", "percent")
 """Percent of a rated value, which the table does not contain."""
 
@@ -194,9 +202,6 @@ _NAMES = frozenset(
 _FEWEST_LETTERS = 5  # of a word that no unit is mistaken for: lbfin and kgfcm are one letter off
 _NEAR = {5: 1, 8: 2}  # edits by which a word of so many letters or more is a misspelt one of a unit
 _ATTENUATION = re.compile(r"[xX×*:/]\s*1(?:0+)(?:\.0*)?|10+\s*(?:[xX×*]|:\s*1)|1\s*:\s*10+")  # of a probe
-_UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
-_JOINTS = rf"[_\s.,;{_UNIT_SIGNS}-]+"
-_HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])"  # behind m it may be that of mNm
 _INDEX = re.compile(r"[0-9]+|[a-z]{0,3}[0-9]{1,3}|[abcdiqruvwxyz]|[0-9:,;]+", re.IGNORECASE)
 
 
@@ -299,33 +304,6 @@ def is_reciprocal_second(text: str) -> bool:
     """Return whether a unit of speed is 1/s, which is that of revolutions and, in SI, of rad/s as well."""
     symbol = text.strip().translate(_CHARACTERS).lower()
     return symbol in ("1/s", "/s", "s-1", "s^-1", "s^(-1)", "1/sec")
-
-
-def unit_behind(name: str, unit: str) -> str:
-    """Return the unit of the kind of `unit` that a name ends in (`Iq_mA`, `time ms`, `omega_deg_s`, `i:mA`,
-    `speedRpm`), else the one that it begins with (`ms_today`), or nothing."""
-    name = name.strip()
-    joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", name)
-    splits = [re.split(sign, each) for sign, each in ((r"[_\s]+", name), (_JOINTS, name), (_JOINTS, joined))]
-    for words in splits:
-        for count, between in ((3, "/"), (2, "/"), (1, "")):
-            behind = [each for each in words[-count:] if each != "per"]
-            text = between.join(behind)
-            # a letter alone is an index: i_s, u_h
-            if (
-                len(words) > count
-                and (len(text) > 1 or not text.isalnum())
-                and unit_factor(text, unit) is not None
-            ):
-                return text
-    first = splits[0][0]
-    is_unit_first = len(splits[0]) > 1 and len(first) > 1 and first.lower() not in ("min", "max")
-    return first if is_unit_first and unit_factor(first, unit) is not None else ""
-
-
-def name_before_unit(name: str) -> str:
-    """Return a name without the sign of its unit and what is behind it (`t:ms`, `i=mA`)."""
-    return re.split(f"[{_UNIT_SIGNS}]", name)[0].strip()
 
 
 def units_of(unit: str) -> str:

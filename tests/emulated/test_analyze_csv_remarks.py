@@ -96,6 +96,7 @@ def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke)
         ("two_regimes", "torque"),
         ("clipped", "speed"),
         ("unit_assumed", "time"),
+        ("unit_assumed", "speed"),
     }
     assert "average 0.14 Nm, 63 % at 0.31 Nm" in found["two_regimes", "torque"]
     bundle = Bundle.open(Path("kept"))

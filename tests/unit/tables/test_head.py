@@ -12,7 +12,8 @@ from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion, read_columns
 from benchtool.tables.selection import Selection
 from benchtool.tables.text import TextTable
-from benchtool.tables.units import is_description, unit_behind, unit_factor
+from benchtool.tables.unit_in_name import unit_in_name
+from benchtool.tables.units import is_description, unit_factor
 
 ROWS = "".join(f"{row / 8:.4f},{math.sin(row):.4f},{math.cos(row):.4f}\n" for row in range(40))
 
@@ -87,14 +88,14 @@ def test_what_may_be_a_misspelt_unit_or_a_count_is_no_description(text: str) -> 
     [
         *(("time_ms", "s", "ms"), ("torque mNm", "Nm", "mNm"), ("n_rpm", "rad/s", "rpm")),
         *(("omega_deg_per_s", "rad/s", "deg/s"), ("i_s", "A", ""), ("i_a", "A", ""), ("i_d", "s", "")),
-        *(("u_h", "s", ""), ("ms", "s", ""), ("T_max", "Nm", ""), ("torquemNm", "Nm", "")),
+        *(("u_h", "s", ""), ("ms", "s", "ms"), ("T_max", "Nm", ""), ("torquemNm", "Nm", "")),
         *(("ms_today", "s", "ms"), ("mA_i", "A", "mA"), ("min_t", "s", ""), ("A_i", "A", "")),
         *(("t:ms", "s", "ms"), ("i.mA", "A", "mA"), ("i@mA", "A", "mA"), ("T=mNm", "Nm", "mNm")),
         *(("speedRpm", "rad/s", "rpm"), ("timeMs", "s", "ms"), ("timeS", "s", ""), ("T.N", "Nm", "")),
     ],
 )
 def test_a_name_may_end_in_its_unit(name: str, si_unit: str, unit: str) -> None:
-    assert unit_behind(name, si_unit) == unit
+    assert unit_in_name(name, si_unit) == unit
 
 
 def test_one_per_second_of_an_angular_velocity_is_open(tmp_path: Path) -> None:
