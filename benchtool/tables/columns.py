@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
@@ -16,11 +16,13 @@ from benchtool.analysis import count_of
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
+from benchtool.tables.cells import Cell
 from benchtool.tables.clocks import Clock, read_clock
 from benchtool.tables.lost import Lost, lost_among
 from benchtool.tables.names_between import Names, names_between
 from benchtool.tables.selection import Selection, by_number, hides
 from benchtool.tables.text import Rows, TextTable
+from benchtool.tables.time_base import time_base
 
 PHASES = ("current", "current_b", "current_c")
 """Kinds of the columns of three phase currents."""
@@ -171,7 +173,21 @@ def read_columns(question: TableQuestion) -> TableColumns:
     lost_s = np.interp(rows.left_out.place, rows.place, time_s)
     in_span = (lost_s >= question.from_s) & (lost_s <= question.to_s)
     lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
+    if lost.within and _are_of_another_raster(rows, in_span, kinds, time_s[inside]):
+        lost = Lost(lost.left_out, first=lost.first)
     return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost, clock, between)
+
+
+def _are_of_another_raster(
+    rows: Rows, in_span: NDArray[np.bool_], kinds: Sequence[str], time_s: NDArray[np.float64]
+) -> bool:
+    """Return whether the rows that were left out are those of other signals, which are listed at other times:
+    none of them has a value of a column asked for, and the others are at even distances without them."""
+    cells = rows.left_out.cells[in_span, -len(kinds) :]
+    if rows.left_out.broken or not np.all(cells == Cell.MISSING):
+        return False
+    base = time_base(time_s)
+    return not base.refusal and not base.gaps and base.gaps_known
 
 
 def _require_one_signal(table: TextTable) -> None:
@@ -235,6 +251,12 @@ def _rows(table: TextTable, selections: list[Selection]) -> Rows:
     rows = table.rows(selections)
     if len(rows.data):
         return rows
+    are_numbers = rows.left_out.cells == Cell.NUMBER
+    if len(selections) > 1 and are_numbers.any(axis=0).all():
+        raise AnalysisError(
+            f"{table.path} has no row with a number in each column asked for, though each of them has "
+            f"numbers in other rows than the others: measure them one by one"
+        )
     reasons = ", ".join(f"{count} with {why}" for why, count in rows.dropped.items())
     cell = table.unreadable_cell(selections)
     first = f", the first {cell}" if cell else ""

@@ -25,6 +25,7 @@ _LAYOUTS = (
     (",", ","),
 )
 _SUFFIXES = (1, 2, 4)  # the last 1/n of the lines, in which a long head no longer counts
+_MANY = 4.0
 _COMPLETE = 0.98  # share of numbers, but for a head
 
 
@@ -73,7 +74,9 @@ def best_fit(sample: Sequence[bytes], stated: str, *, timed: bool) -> Fit | None
         return _best_of_two(texts, layouts)
     # a stated decimal comma separates no columns
     quoted = [each for each in layouts if each[0] != stated or any('"' in text for text in texts)]
-    return _best_of_two(texts, quoted) or _best_of(texts, quoted, groups=False, fewest=1)
+    two, one = _best_of_two(texts, quoted), _best_of(texts, quoted, groups=False, fewest=1)
+    # two cells in a line of a head that is longer than any other are no table above a column of numbers
+    return one if two is None or (one is not None and one.score > _MANY * two.score) else two
 
 
 def _best_of_two(texts: Sequence[str], layouts: Sequence[tuple[str, str]]) -> Fit | None:

@@ -38,6 +38,7 @@ _REMARKS = frozenset(
         "commento",
     )
 )
+_TYPE = re.compile(r"(?:u?int|float|real|single|double|number|string|datetime|timestamp|[fiu])_?[0-9]{0,2}")
 _BLANK = " \r\n\f\v"
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
@@ -111,28 +112,61 @@ def columns_of(
     above each other that fit are one head.
 
     Of two lines right above each other the second holds units if most of it are units, or if any is
-    and the first is one of words alone; it may then hold other names. Below names and units may stand one
-    more line of words, as of the sensors. Where the first cell of each row is empty, and so that of the head
-    labels its lines (`is_labelled`), they need not be next to each other.
+    and the first is one of words alone; it may then hold other names. Units may also stand above names of
+    words alone, or names, units and one more line of words, as of the sensors. What a further line of single
+    words has is another name. Lines that say the same of several columns, as of a module or a data type, are
+    left out where another one tells them apart. Where the first cell of each row is empty, and so that of
+    the head labels its lines (`is_labelled`), they need not be next to each other.
     """
     found = _lines_of_names(preamble, delimiter, used, width, is_labelled=is_labelled)
     if not found:
         return ()
     if is_labelled:
         return _labelled(found)
-    if len(found) > 2 and are_units(found[1]) and _are_names(found[2]) and _are_bare_words(found[0]):
+    found = _without_descriptions(found)
+    is_names_below = len(found) > 1 and are_units(found[1]) and _are_bare_words(found[0])
+    if is_names_below and len(found) > 2 and _are_names(found[2]):
         return tuple(
             Column(name, unit.strip("()[] "), aliases=(alias,) if alias else ())
             for alias, unit, name in zip(*found[:3], strict=True)
         )
+    if is_names_below and not are_units(found[0]):
+        return _named(found[0], found[1], [])
     has_units = any(map(_is_unit_cell, found[0]))
-    if len(found) > 1 and has_units and (are_units(found[0]) or _are_words(found[1])):
-        below = [""] * width if are_units(found[0]) else found[0]
+    if len(found) > 1 and are_units(found[0]):
+        return _named(found[1], found[0], found[2:3])
+    if len(found) > 1 and has_units and _are_words(found[1]):
         return tuple(
-            Column(name, unit.strip("()[] "), other_name=other)
-            for name, unit, other in zip(found[1], found[0], below, strict=True)
+            Column(name, unit.strip("()[] "), other_name=unit)
+            for name, unit in zip(found[1], found[0], strict=True)
         )
-    return tuple(Column(name, _unit_in(name)) for name in found[0])
+    return _named(found[0], [_unit_in(name) for name in found[0]], [])
+
+
+def _named(names: Sequence[str], units: Sequence[str], others: Sequence[Sequence[str]]) -> tuple[Column, ...]:
+    """Return columns by their names and units, and other lines that name them as well."""
+    # a title with commas is none
+    lines = [line for line in others if all(each and " " not in each for each in line)]
+    return tuple(
+        Column(name, unit.strip("()[] "), aliases=tuple(line[place] for line in lines if line[place]))
+        for place, (name, unit) in enumerate(zip(names, units, strict=True))
+    )
+
+
+def _without_descriptions(found: Sequence[list[str]]) -> list[list[str]]:
+    """Return lines without those that say the same of several columns, or of which data type each is, if any
+    other names them."""
+    kept = [line for line in found if are_units(line) or not (_are_repeated(line) or _are_types(line))]
+    return kept if any(not are_units(line) and _are_names(line) for line in kept) else list(found)
+
+
+def _are_repeated(cells: Sequence[str]) -> bool:
+    filled = [cell for cell in cells if cell]
+    return len(set(filled)) < len(filled)
+
+
+def _are_types(cells: Sequence[str]) -> bool:
+    return all(_TYPE.fullmatch(cell.lower()) for cell in cells if cell)
 
 
 def _lines_of_names(
@@ -147,6 +181,8 @@ def _lines_of_names(
         if not line.strip() or _is_rule(line.strip()):
             continue
         cells = _fitted_to(bare_line(line), delimiter, used, width, lengths_of_values)
+        if cells is not None and not cells[0] and is_comment(line.encode()):
+            cells[0] = line.lstrip()[0]  # the sign is a name: #,t,i
         if cells is not None and not _are_values(cells[:used]):
             (numbers if all(has_number(cell) for cell in cells if cell) else found).append(cells)
         elif (found or numbers) and not is_labelled:

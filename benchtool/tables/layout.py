@@ -30,6 +30,11 @@ from benchtool.tables.units import is_unit
 _HEAD_BYTES = 256 * 1024
 _SAMPLE_BYTES = 32 * 1024
 _WHOLE = re.compile(r"[0-9]+")
+_FACTORS = re.compile(
+    r"\W*(?:(?:scal(?:e|ing)|conversion|calibration)?[ _]?(?:fa[ck]t(?:eu|o)r(?:s|en)?|gains?|multipliers?)"
+    r"|scaling|slope|sensitivity|skalierung|verstärkung|empfindlichkeit)\W*",
+    re.IGNORECASE,
+)
 _ZEROS_FIRST = re.compile(r"0[0-9]+")
 _FEW = 0.05  # of the cells of a column
 
@@ -44,7 +49,8 @@ class Layout:
     letters or more in cells beside and below the numbers. `head_numbers` is the last line of numbers right
     above the rows that was taken for one of the head.
     `signals` is the number of a column, from 1, that says which signal each row has, 0 without one;
-    `is_number_first` is whether the first column is one of numbers.
+    `is_number_first` is whether the first column is one of numbers. `head_factors` is a line of the head
+    that by its first cell states factors.
     """
 
     delimiter: str
@@ -58,6 +64,7 @@ class Layout:
     head_numbers: str = ""
     signals: int = 0
     is_number_first: bool = False
+    head_factors: str = ""
 
 
 def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = True) -> Layout:
@@ -104,6 +111,9 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     in_head = texts[: above.lines]
     last = "" if above.columns else _last_of(in_head)
     if not above.columns and fit.delimiter == "," and all(map(_is_whole, by_column)):
+        is_one = fit.width == 2 and any(map(_ZEROS_FIRST.fullmatch, by_column[1]))
+        if is_one and not timed and not decimal:
+            return find_layout(text, source, ",", timed=timed)
         _require_no_split_decimals(last, texts[above.lines], by_column, source)
     named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
     words = _aside(cells_of, fit)
@@ -125,6 +135,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         head_numbers=above.numbers,
         signals=signal_column(in_rows, fit.numeric),
         is_number_first=fit.numeric[0],
+        head_factors=next(filter(lambda line: _are_factors(split(line, fit.delimiter)), in_head), ""),
     )
 
 
@@ -241,6 +252,13 @@ def _is_whole(cells: Sequence[str]) -> bool:
     return sum(_WHOLE.fullmatch(cell.lstrip("+-")) is None for cell in numbers) <= _FEW * len(numbers)
 
 
+def _are_factors(cells: Sequence[str]) -> bool:
+    """Return whether a line is one of factors by its first cell, at least one other than 1."""
+    numbers = [cell.replace(",", ".") for cell in cells[1:] if has_number(cell)]
+    is_named = bool(cells) and _FACTORS.fullmatch(cells[0]) is not None
+    return is_named and any(float(each) not in (0.0, 1.0) for each in numbers)
+
+
 def _is_stamped(cells: Sequence[str]) -> bool:
     """Return whether most cells of a column that are not empty are times of day."""
     return 2 * sum(map(is_stamp, cells)) > sum(map(bool, cells))
@@ -267,5 +285,5 @@ def _require_no_split_decimals(head: str, row: str, columns: Sequence[Sequence[s
     raise RecordingError(
         f"{source}: '{row.strip():.40}' has {width} cells between commas{names_of}: decimal commas and "
         f"commas between columns cannot be told apart, export it with semicolons between columns or with "
-        f"decimal points"
+        f"decimal points{', or state --decimal , for one column' if width == 2 else ''}"
     )

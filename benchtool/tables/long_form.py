@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Sequence
 
 _MOST_SIGNALS, _FEWEST_CYCLES = 64, 4
+_OF_A_SECOND = (1e3, 1e6, 1e9)
 
 
 def signal_column(rows: Sequence[Sequence[str]], numeric: Sequence[bool]) -> int:
@@ -13,11 +14,13 @@ def signal_column(rows: Sequence[Sequence[str]], numeric: Sequence[bool]) -> int
     row to row; 0 where none does.
 
     What counts so may be a counter: numbers name signals only if another column, the time, has one value in
-    each cycle, and another in the next.
+    each cycle, and another in the next, and they are no milliseconds of a time in whole seconds.
     """
     for place, cells in enumerate(zip(*rows, strict=False)):
         count = _cycle(cells)
-        if count and (not numeric[place] or _is_held(rows, place, count)):
+        if not count or (numeric[place] and not _is_held(rows, place, count)):
+            continue
+        if not _is_of_a_second(cells, count):
             return place + 1
     return 0
 
@@ -32,6 +35,16 @@ def _cycle(cells: Sequence[str]) -> int:
     others = sum(cell != following for cell, following in itertools.pairwise(cells))
     cut = 2 * count * 4
     return count if same >= len(cells) - count - cut and others >= len(cells) - 1 - cut else 0
+
+
+def _is_of_a_second(cells: Sequence[str], count: int) -> bool:
+    """Return whether cells are numbers at equal distances that make up a second: in ms, us or ns."""
+    try:
+        values = sorted({float(cell) for cell in cells})
+    except ValueError:
+        return False
+    steps = {round(after - before, 9) for before, after in itertools.pairwise(values)}
+    return len(steps) == 1 and round(count * steps.pop(), 6) in _OF_A_SECOND
 
 
 def _is_held(rows: Sequence[Sequence[str]], place: int, count: int) -> bool:

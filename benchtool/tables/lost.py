@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchtool.tables.cells import Cell
 from benchtool.tables.text import Rows
 
+_FEWEST_ROWS = 8
 _LARGEST_SHARE = 0.05  # of the rows of the span
 _OUTER, _FEWEST_RUNS, _MOST = 10.0, 6, 0.8  # per cent at each end; of the values beside what is missing
 
@@ -56,8 +57,17 @@ def lost_among(
     count = int(np.count_nonzero(within)) + out.broken
     share = count / (count + len(place))
     reasons: dict[str, str] = {}
-    for column, what in enumerate(kinds, out.cells.shape[1] - len(kinds)):
+    if len(place) < _FEWEST_ROWS <= len(out.place):
+        few = (
+            f"of {len(place) + len(out.place)} rows {len(out.place)} are left out, with a cell that is no "
+            f"number{_of(first)}: the rest does not stand for all, correct these rows"
+        )
+        return Lost(rows.dropped, count, dict.fromkeys(kinds, few), first)
+    first_kind = out.cells.shape[1] - len(kinds)
+    is_timed = np.all(out.cells[within, :first_kind] == Cell.NUMBER, axis=1)
+    for column, what in enumerate(kinds, first_kind):
         cells = out.cells[within, column]
+        elsewhere = int(np.count_nonzero(is_timed & (cells == Cell.NUMBER)))
         overloads = int(np.count_nonzero(cells == Cell.OVERLOAD))
         if overloads:
             reasons[what] = (
@@ -68,6 +78,11 @@ def lost_among(
             reasons[what] = (
                 f"{np.count_nonzero(cells)} of its cells are no numbers{_of(first)}, next to its greatest or "
                 f"its least values: what is missing there may be an overload"
+            )
+        elif share > _LARGEST_SHARE and 2 * elsewhere > len(cells):
+            reasons[what] = (
+                f"{elsewhere} of its values are in rows in which another column has none{_of(first)}: "
+                f"measure it without that column"
             )
         elif share > _LARGEST_SHARE:
             reasons[what] = (

@@ -121,11 +121,19 @@ def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iter
 
 
 def numbers_in_head(layout: Layout) -> Iterator[Remark]:
-    """Yield that a line of numbers right above the rows was taken for one of the head."""
+    """Yield that a line of numbers right above the rows was taken for one of the head, and that one of the
+    head states factors."""
     if layout.head_numbers:
         text = (
             f"'{layout.head_numbers}' was taken for a line of the head: it does not continue the rows below, "
-            f"or is written in another way than all of them; if it is a row, write it as they are"
+            f"or is written in another way than all of them; if it is a row, write it as they are, "
+            f"if it holds factors, state the gains"
+        )
+        yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
+    if layout.head_factors:
+        text = (
+            f"the head has the line '{layout.head_factors:.60}', and the cells were taken as they are: if "
+            f"they are to be multiplied by it, state the gain, as --current '2:A*0.01'"
         )
         yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
 

@@ -40,11 +40,29 @@ def test_one_column_is_enough_where_none_is_the_time(
     np.testing.assert_allclose(table.rows([table.select("1", "A")]).data[:, 0], CURRENT, atol=1e-4)
 
 
-def test_decimal_commas_that_are_not_stated_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("head", ["", "Strom (A)\n"])
+def test_zeros_behind_a_comma_tell_decimal_commas(tmp_path: Path, head: str) -> None:
     body = "".join(f"{each:.4f}\n" for each in CURRENT).replace(".", ",")
 
-    with pytest.raises(RecordingError, match="decimal commas"):
+    table = TextTable.open(write(tmp_path, head + body), timed=False)
+
+    np.testing.assert_allclose(table.rows([table.select("1", "A")]).data[:, 0], CURRENT, atol=1e-4)
+
+
+def test_other_decimal_commas_that_are_not_stated_are_refused(tmp_path: Path) -> None:
+    body = "".join(f"{each + 2.5:.1f}\n" for each in CURRENT).replace(".", ",")
+
+    with pytest.raises(RecordingError, match=r"decimal commas .* or state --decimal , for one column"):
         TextTable.open(write(tmp_path, f"Strom (A)\n{body}"), timed=False)
+
+
+def test_pairs_in_the_head_are_no_columns_of_a_table_of_one(tmp_path: Path) -> None:
+    head = "Revision: 0\nPoints: 60\nCount: 1\nXInc: 1.0E-04\nXOrg: 0.0\nDate: 28 NOV 2026\nData:\n"
+    body = "".join(f"{each:.4e}\n" for each in CURRENT)
+
+    table = TextTable.open(write(tmp_path, head + body), timed=False)
+
+    np.testing.assert_allclose(table.rows([table.select("1", "A")]).data[:, 0], CURRENT, atol=1e-4)
 
 
 @pytest.mark.parametrize("timed", [True, False])

@@ -1,0 +1,67 @@
+"""Lines of a head: units above names, modules and types, further names, factors, and a sign as a name."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from benchtool.errors import AnalysisError
+from benchtool.tables import TableQuestion, analyze_table
+from benchtool.tables.remarks import RemarkKind
+from benchtool.tables.text import TextTable
+
+ROWS = "".join(f"{row / 8:.4f};{math.sin(row):.4f};{math.cos(row):.4f}\n" for row in range(64))
+UNITS = ["ms", "mA", "mNm"]
+
+
+def table(folder: Path, head: str) -> TextTable:
+    path = folder / "table.csv"
+    path.write_text(head + ROWS, encoding="utf-8")
+    return TextTable.open(path)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "ms;mA;mNm\nt;I;T\n",
+        "t [ms];I [mA];T [mNm]\nSR 8 Hz;SR 8 Hz;SR 8 Hz\nMX840;MX840;MX840\n",
+        "t;I;T\nf8;f8;f8\nms;mA;mNm\n",
+        "t;I;T\ndouble;float;single\nms;mA;mNm\n",
+        "t;I;T\nms;mA;mNm\ndouble;float;float\n",
+        "t;I;T\nTime;Phase current;Shaft torque\nms;mA;mNm\n",
+    ],
+)
+def test_names_and_units_among_other_lines(tmp_path: Path, head: str) -> None:
+    found = table(tmp_path, head)
+    chosen = [found.select(*each) for each in (("t", "s"), ("I", "A"), ("T", "Nm"))]
+    assert [each.unit for each in chosen] == UNITS
+    assert [each.number for each in chosen] == [1, 2, 3]
+
+
+def test_a_title_with_delimiters_names_no_columns(tmp_path: Path) -> None:
+    found = table(tmp_path, "Measured torque; current; speed\nt;T;i\ns;Nm;A\n")
+    with pytest.raises(AnalysisError, match="no column 'current'"):
+        found.select("current", "A")
+
+
+def test_the_sign_of_a_comment_may_be_a_name(tmp_path: Path) -> None:
+    assert table(tmp_path, "#;I;T\n").select("#", "s").number == 1
+    assert table(tmp_path, "# t;I;T\n").select("t", "s").number == 1
+    assert [each.name for each in table(tmp_path, "#t;I;T\n").layout.columns] == ["t", "I", "T"]
+
+
+@pytest.mark.parametrize("line", ["Factor;0.01;0.1", "Faktor;1;0,5", "Scale factor;1;10", "Gain;0.1;0.1"])
+def test_factors_in_the_head_are_told(tmp_path: Path, line: str) -> None:
+    table(tmp_path, f"t;I;T\ns;A;Nm\n{line}\n")
+    found = analyze_table(TableQuestion(tmp_path / "table.csv", "t", {"current": "I"}))
+    texts = [each.text for each in found.remarks if each.kind == RemarkKind.NUMBERS_IN_HEAD]
+    assert texts
+    assert "state the gain" in texts[-1]
+
+
+def test_factors_of_one_and_settings_are_not(tmp_path: Path) -> None:
+    table(tmp_path, "Vertical Scale;2;1\nProbe Attenuation;10;10\nFactor;1;1\nt;I;T\ns;A;Nm\n")
+    found = analyze_table(TableQuestion(tmp_path / "table.csv", "t", {"current": "I"}))
+    assert RemarkKind.NUMBERS_IN_HEAD not in {each.kind for each in found.remarks}
