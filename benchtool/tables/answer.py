@@ -25,6 +25,7 @@ from benchtool.tables.remarks import (
     of_stretch,
     of_tables,
     other_frequency,
+    other_head,
     other_speed,
     overdue,
     remarks,
@@ -89,6 +90,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *numbers_in_head(columns.table.layout),
+        *other_head(columns.table.layout),
         *units_assumed(columns.chosen),
         *electrical(columns.chosen, question.pole_pairs),
         *of_clock(columns.clock, columns.chosen.get("time")),

@@ -39,6 +39,9 @@ _REMARKS = frozenset(
     )
 )
 _TYPE = re.compile(r"(?:u?int|float|real|single|double|number|string|datetime|timestamp|[fiu])_?[0-9]{0,2}")
+_STATED_UNIT = re.compile(r"(?:[=:]|\bin)[\s\"']*([^\W\d_][\w°/·^-]+)(?=[\s\"',;.})\]]|$)")
+_ON_UNITS = re.compile(r"units?\b|einheit|unité|unidad|unità", re.IGNORECASE)
+_WORD = re.compile(r"(?<![\w.,])(?<!\d\s)[^\W\d_][\w°/·^-]*")
 _BLANK = " \r\n\f\v"
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
@@ -242,13 +245,18 @@ def _labelled(found: Sequence[Sequence[str]]) -> tuple[Column, ...]:
 
 
 def units_in(preamble: Sequence[str], delimiter: str) -> tuple[str, ...]:
-    """Return the units in brackets and in cells of their own of all lines above the numbers."""
+    """Return the units in brackets, in cells of their own, behind a sign (`unit=mA`, `Y-Unit: mA`) or the
+    word `in`, and anywhere in a line that names units, of all lines beside the numbers; what is behind a
+    number is that of a setting."""
     found: dict[str, None] = {}
     for line in preamble:
         texts = [
             *_in_brackets(line),
             *(cell.strip("()[]{}<> ") for cell in split(bare_line(line), delimiter)),
+            *_STATED_UNIT.findall(line),
         ]
+        if _ON_UNITS.search(line):
+            texts += [each for each in _WORD.findall(line) if len(each) > 1]
         found |= dict.fromkeys(text for text in texts if text and is_unit(text))
     return tuple(found)
 

@@ -117,7 +117,8 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         _require_no_split_decimals(last, texts[above.lines], by_column, source)
     named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
     words = _aside(cells_of, fit)
-    units = (*units_in(in_head, fit.delimiter), *filter(is_unit, words))
+    comments = [line.decode(errors="replace") for line in _sampled(text, lines) if is_comment(line)]
+    units = (*units_in([*in_head, *comments], fit.delimiter), *filter(is_unit, words))
     if any("max" in each.lower() for each in (*in_head, *words)):
         units = tuple(each for each in units if each.lower() != "min")  # the least value, and no minute
     return Layout(

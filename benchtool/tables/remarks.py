@@ -15,8 +15,9 @@ from benchtool.analysis import Measurement, clipping
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
+from benchtool.tables.cells import BLANKS
 from benchtool.tables.clocks import Clock
-from benchtool.tables.head import Column
+from benchtool.tables.head import Column, has_number, split
 from benchtool.tables.layout import Layout
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
@@ -54,6 +55,7 @@ class RemarkKind(StrEnum):
     ELECTRICAL = "electrical"
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
+    OTHER_HEAD = "other_head"
     TIME_GOES_BACK = "time_goes_back"
     SEVERAL_TABLES = "several_tables"
     TIME_SINCE_1970 = "time_since_1970"
@@ -136,6 +138,18 @@ def numbers_in_head(layout: Layout) -> Iterator[Remark]:
             f"they are to be multiplied by it, state the gain, as --current '2:A*0.01'"
         )
         yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
+
+
+def other_head(layout: Layout) -> Iterator[Remark]:
+    """Yield that a line above rows without names has names for more or fewer columns than they have cells."""
+    cells = [] if layout.delimiter == BLANKS else split(layout.head, layout.delimiter)
+    width = len(layout.columns)
+    if 1 < len(cells) != width and not any(map(has_number, cells)):
+        text = (
+            f"the head '{layout.head:.40}' has {len(cells)} cells and the rows have {width}: columns were "
+            f"counted in the rows, where names may stand above other ones"
+        )
+        yield Remark(RemarkKind.OTHER_HEAD, "", text)
 
 
 def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:

@@ -20,7 +20,7 @@ from benchtool.tables.units import (
 
 _SPEED = "rad/s"
 _FACTOR = re.compile(
-    r"(?<![A-Za-z0-9])[xX]\s*10+(?!\d)|[×*·]\s*10+(?!\d)|(?<!\d)10+\s*[xX×*](?![A-Za-z0-9])"
+    r"(?<![A-Za-z0-9])[xX]\s*(?:10+(?!\d)|0\.\d+)|[×*·]\s*(?:10+(?!\d)|0\.\d+)|(?<!\d)10+\s*[xX×*](?![A-Za-z0-9])"
     r"|10\^[+-]?\d+|(?<![\w.])1[eE][+-]?\d+(?!\w)"
 )
 _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
@@ -88,8 +88,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
         )
     if unit_from == "assumed" and (perhaps := perhaps_in_name(column.bare_name, si_unit)):
         raise AnalysisError(
-            f"the name of column '{wanted}' of {path} ends in '{perhaps}', which may be its unit: state it "
-            f"in the option, as '{wanted}:{si_unit}' or '{wanted}:{perhaps}'"
+            f"the name of column '{wanted}' of {path} has '{perhaps}' in it, which may be its unit: state "
+            f"it in the option, as '{wanted}:{si_unit}', with a gain where one step is another size, as "
+            f"'{wanted}:{si_unit}*0.01'"
         )
     if factor is None:
         by = "which its head states" if unit_from == "head" else "as given"

@@ -34,6 +34,8 @@ _NO_READING = 9.9e37  # instruments send 9.9e37 for infinity and 9.91e37 for no 
 _LEAST_MARK, _MARK_APART = 999.0, 10.0  # of a number that marks no reading: its size, and by how much
 _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
+_BLANK_LINE = re.compile(rb"^[ \t]*$", re.MULTILINE)
+_FEW_BLANK = 0.25  # of the lines: more of them are between all
 _BLANKS = re.compile(rb"[ \t]+")
 _LINE_ENDS = re.compile(rb"^ | $", re.MULTILINE)
 _OUTER_BARS = re.compile(rb"^[ \t]*\|(.*)\|[ \t]*$", re.MULTILINE)
@@ -220,6 +222,8 @@ class TextTable:
 
     def _body(self) -> bytes:
         body = self.text[self.layout.begin :]
+        if len(self.layout.columns) == 1:
+            body = _with_empty_cells(body)
         if not body.isascii() or b"\0" in body:
             body = body.translate(_ASCII_ONLY)
         if b"#" in body or b"%" in body:
@@ -286,6 +290,13 @@ class TextTable:
             of_other = other if use_of(other, each) == Use.EITHER else ""
             columns[number] = replace(columns[number], open_sign=sign if is_either else of_other)
         return replace(self, layout=replace(layout, columns=tuple(columns)))
+
+
+def _with_empty_cells(body: bytes) -> bytes:
+    """Return rows of one cell in which a few blank lines, each an empty cell, are in quotation marks."""
+    body = body.rstrip()
+    blank = len(_BLANK_LINE.findall(body))
+    return _BLANK_LINE.sub(b'""', body) if 0 < blank < _FEW_BLANK * body.count(b"\n") else body
 
 
 def _is_label(cell: str | None) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from benchtool.tables.units import unit_factor
+from benchtool.tables.units import KNOWN, is_description, unit_factor
 
 _UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
 _BLANKS = r"[_\s]+"
@@ -18,6 +18,47 @@ _GLUED = {
     "rad/s": re.compile(r".+(rpm)", re.IGNORECASE),
 }
 _PERHAPS_GLUED = re.compile(r".*[A-Za-z0-9]([munk](?:A|Nm))")
+_NUMBER_AND_UNIT = re.compile(r"(?<![A-Za-z0-9.,])([0-9]+(?:[.,][0-9]+)?)\s?([A-Za-zµ°]+)")
+_BEHIND_A_COMMA = re.compile(r".+,\s*(\S{1,4})")
+_OTHER_LETTERS = re.compile(r".+\s([^\x00-\x7f°µμ·Ωφθωψαβ]{1,4})")
+_SIGNS = re.compile(r"[%‰]")
+_SCALES = frozenset(
+    (
+        *("pu", "p.u", "percent", "pct", "prozent", "permille", "promille", "mille", "lsb", "adc"),
+        *(
+            "digit",
+            "digits",
+            "count",
+            "counts",
+            "cnt",
+            "cnts",
+            "q8",
+            "q12",
+            "q14",
+            "q15",
+            "q16",
+            "q24",
+            "q31",
+        ),
+    )
+)
+_SCALES_OF_VALUES = frozenset((*_SCALES, "raw", "rel", "relative", "norm", "normalized", "normalised"))
+_SCALES_OF_TIME = frozenset(
+    (
+        *_SCALES,
+        "tick",
+        "ticks",
+        "sample",
+        "samples",
+        "index",
+        "idx",
+        "row",
+        "rows",
+        "points",
+        "cycles",
+        "days",
+    )
+)
 
 
 def unit_in_name(name: str, unit: str) -> str:
@@ -49,10 +90,39 @@ def unit_in_name(name: str, unit: str) -> str:
 
 
 def perhaps_in_name(name: str, unit: str) -> str:
-    """Return the unit of the kind of `unit` that a name may end in with nothing before it, or nothing: that
-    of `ImA` may be a current in mA, and that of `IuA` phase u of motor A."""
-    match = _PERHAPS_GLUED.fullmatch(name.strip())
-    return match[1] if match is not None and unit_factor(match[1], unit) is not None else ""
+    """Return what may be the unit in a name that has none of the kind of `unit`, or nothing.
+
+    It is one with nothing before it (`ImA`, which may also be phase m of motor A), in other capitals
+    (`i_ma`), of another kind (`CH1 mV`), or with a number (`I 10mA`); a word or sign of another scale
+    (`torque_pu`, `iq_counts`, `M %`); or a few letters behind a comma, or of another script, where units
+    stand.
+    """
+    name = name.strip()
+    for found in _NUMBER_AND_UNIT.finditer(name):
+        if unit_factor(found[2], unit) is not None and float(found[1].replace(",", ".")) != 1.0:
+            return found[0]
+    match = _PERHAPS_GLUED.fullmatch(name)
+    if match is not None and unit_factor(match[1], unit) is not None:
+        return match[1]
+    words = [each for each in re.split(_JOINTS, name) if each]
+    last, scales = words[-1] if len(words) > 1 else "", _SCALES_OF_TIME if unit == "s" else _SCALES_OF_VALUES
+    others = (kind for kind in KNOWN if kind != unit)
+    if last.lower() not in _LIMITS and (
+        _in_other_capitals(last, unit) or any(_joined([last], "", kind) for kind in others)
+    ):
+        return last
+    scale = [each for each in words if each.lower() in scales] + _SIGNS.findall(name)
+    if scale:
+        return scale[0]
+    other = _BEHIND_A_COMMA.fullmatch(name) or _OTHER_LETTERS.fullmatch(name)
+    is_known = other is None or is_description(other[1]) or unit_factor(other[1], unit) is not None
+    return "" if other is None or is_known else other[1]
+
+
+def _in_other_capitals(word: str, unit: str) -> bool:
+    """Return whether a word is a unit with a prefix in other capitals: ma, MA, MS."""
+    spelt = (word.lower(), word[:1].lower() + word[1:].upper(), word[:1].lower() + word[1:].capitalize())
+    return 2 <= len(word) <= 4 and any(unit_factor(each, unit) not in (None, 1.0) for each in spelt)
 
 
 def name_before_unit(name: str) -> str:
@@ -69,5 +139,4 @@ def _joined(words: list[str], between: str, unit: str) -> str:
     # i_m_A is the magnetizing current of phase A; N m and milli amps are units
     if len(kept) > 1 and not between and unit != "Nm" and len(kept[0]) < 2:
         return ""
-    is_mega = text.startswith("M") and unit in ("A", "Nm")  # a moving average
-    return text if not is_mega and unit_factor(text, unit) is not None else ""
+    return text if unit_factor(text, unit) is not None else ""

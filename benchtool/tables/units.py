@@ -40,6 +40,12 @@ _FORCES_N: Mapping[str, float] = {
 _LENGTHS_M: Mapping[str, float] = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3}
 _INCHES_M: Mapping[str, float] = {"ft": 12 * _INCH_M, "in": _INCH_M}
 _AMBIGUOUS = frozenset(("gm", "pm"))  # gram and picometre
+_NO_UNITS = ("MA", "Ms")  # of a motor: milliamperes and milliseconds in capitals, or a moving average
+_CYRILLIC = {
+    f"{prefix}{unit}": f"{latin}{symbol}"
+    for prefix, latin in (("", ""), ("м", "m"), ("мк", "u"), ("н", "n"), ("к", "k"))
+    for unit, symbol in (("А", "A"), ("с", "s"), ("Нм", "Nm"), ("В", "V"), ("Вт", "W"), ("рад", "rad"))
+} | {"град": "deg", "рад/с": "rad/s", "град/с": "deg/s"}
 _PREFIXES_10: Mapping[str, float] = {"d": 0.1, "c": 1e-2, "da": 10.0, "h": 100.0}
 _ELSEWHERE: Mapping[str, Mapping[str, float]] = {
     # of a time, S is no siemens; MS is left open
@@ -76,11 +82,11 @@ _SHOWN: Mapping[str, tuple[str, ...]] = {
     "Nm": ("cNm", "Ncm", "Nmm", "lbf·ft", "lbf·in", "ozf·in", "kgf·cm"),
     "rad/s": ("1/s",),
 }
-_PREFIXES = {"milli": "m", "micro": "u", "nano": "n", "kilo": "k", "mega": "M"}
+_PREFIXES = {"milli": "m", "micro": "u", "mikro": "u", "nano": "n", "kilo": "k", "mega": "M"}
 _WORDS = {
     "s": ("second", "sec", "sek", "sekunde", "sekunden", "seconde", "secondi", "segundo", "сек"),
-    "ms": ("msec", "millisec"),
-    "us": ("usec", "microsec"),
+    "ms": ("msec", "msek", "millisec", "milli", "millisek"),
+    "us": ("usec", "usek", "microsec", "micro", "mikro", "mikrosek"),
     "A": ("ampere", "amp", "ampère", "amperio"),
     "V": ("volt",),
     "W": ("watt",),
@@ -89,7 +95,7 @@ _WORDS = {
     "deg": ("degree",),
     "rev": ("revolution", "turn"),
     "Hz": ("hertz",),
-    "min": ("minute", "minuten", "мин"),
+    "min": ("minute", "minuten", "mins", "мин"),
     "h": ("hour", "hr"),
     "Ncm": ("ncm",),
     "Nmm": ("nmm",),
@@ -216,6 +222,8 @@ def unit_factor(text: str, unit: str) -> float | None:
     if len(text) > _LONGEST:
         return None
     symbol = _symbol(text)
+    if symbol in _NO_UNITS:
+        return None
     if (factor := spellings(unit).get(symbol)) is not None:
         return float(factor)
     if unit == "rad/s":
@@ -332,6 +340,7 @@ def _rotation(text: str) -> float | None:
 
 def _symbol(text: str) -> str:
     symbol = re.sub(r"(?<=[Nn])[.-](?=[mc])", "", text.strip().translate(_CHARACTERS))  # N.m, N-m, N-cm
+    symbol = _CYRILLIC.get(symbol, symbol)
     word = re.sub(r"(?<=newton)[.-](?=met)", "", symbol.lower())
     for name, prefix in _PREFIXES.items():
         if word.startswith(name) and (unit := _word(word.removeprefix(name))) is not None:

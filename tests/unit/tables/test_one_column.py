@@ -56,6 +56,24 @@ def test_other_decimal_commas_that_are_not_stated_are_refused(tmp_path: Path) ->
         TextTable.open(write(tmp_path, f"Strom (A)\n{body}"), timed=False)
 
 
+def test_a_blank_line_is_an_empty_cell(tmp_path: Path) -> None:
+    lines = [f"{each:.4f}" for each in CURRENT]
+    lines[20] = lines[21] = ""
+    table = TextTable.open(write(tmp_path, "i [A]\n" + "\n".join(lines) + "\n\n"), timed=False)
+
+    rows = table.rows([table.select("1", "A")])
+
+    assert rows.dropped == {"a cell is no number": 2}
+    np.testing.assert_array_equal(rows.place, np.delete(np.arange(len(CURRENT)), [20, 21]))
+
+
+def test_blank_lines_between_all_rows_are_none(tmp_path: Path) -> None:
+    body = "".join(f"{each:.4f}\n\n" for each in CURRENT)
+    table = TextTable.open(write(tmp_path, f"i [A]\n{body}"), timed=False)
+
+    assert not table.rows([table.select("1", "A")]).dropped
+
+
 def test_pairs_in_the_head_are_no_columns_of_a_table_of_one(tmp_path: Path) -> None:
     head = "Revision: 0\nPoints: 60\nCount: 1\nXInc: 1.0E-04\nXOrg: 0.0\nDate: 28 NOV 2026\nData:\n"
     body = "".join(f"{each:.4e}\n" for each in CURRENT)

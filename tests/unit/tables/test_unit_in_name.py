@@ -12,6 +12,7 @@ from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.remarks import RemarkKind
 from benchtool.tables.text import TextTable
 from benchtool.tables.unit_in_name import perhaps_in_name, unit_in_name
+from benchtool.tables.units import unit_factor
 
 TIME_S = np.arange(400) / 1000.0
 
@@ -54,12 +55,82 @@ def test_brackets_of_other_scripts_and_prepositions(tmp_path: Path, name: str) -
 
 def test_what_may_be_a_unit_or_indices_is_asked_for(tmp_path: Path) -> None:
     assert perhaps_in_name("IuA", "A") == "uA"  # phase u of motor A
-    with pytest.raises(AnalysisError, match="ends in 'mA', which may be its unit: state it"):
+    with pytest.raises(AnalysisError, match="has 'mA' in it, which may be its unit: state it"):
         table(tmp_path, "ImA").select("2", "A")
     assert table(tmp_path, "ImA").select("2:mA", "A").factor == 1e-3
 
 
-@pytest.mark.parametrize("name", ["I*1000 [A]", "I[A]*1000", "Ia x10 [A]", "Ia 1e3 [A]", "CH1 10x (A)"])
+@pytest.mark.parametrize(
+    ("name", "si_unit", "found"),
+    [
+        *(("torque_pu", "Nm", "pu"), ("M %", "Nm", "%"), ("iq_counts", "A", "counts")),
+        *(("ticks_1", "s", "ticks"), ("time_rel", "s", ""), ("torque_raw", "Nm", "raw"), ("i_ma", "A", "ma")),
+        *(("T_MS", "s", "MS"), ("I 10mA", "A", "10mA"), ("Phase 1 A", "A", ""), ("CH1_mV", "A", "mV")),
+        *(("Ток, xx", "A", "xx"), ("i, avg", "A", ""), ("电流 毫安", "A", "毫安"), ("i_max", "A", "")),
+        *(("phase_a", "A", ""), ("i alpha β", "A", ""), ("T_min", "Nm", ""), ("T_q15", "Nm", "q15")),
+        *(("I_U", "A", ""), ("Phase V", "A", ""), ("CH1, V", "A", "V"), ("Phase, A", "A", "")),
+    ],
+)
+def test_what_may_be_another_unit_or_scale(name: str, si_unit: str, found: str) -> None:
+    assert perhaps_in_name(name, si_unit) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "si_unit", "factor"),
+    [
+        *(("мА", "A", 1e-3), ("мкс", "s", 1e-6), ("мН·м", "Nm", 1e-3), ("рад/с", "rad/s", 1.0)),
+        *(("Mikrosekunden", "s", 1e-6), ("micros", "s", 1e-6), ("msek", "s", 1e-3), ("mins", "s", 60.0)),
+        *(("MA", "A", None), ("Ms", "s", None), ("MNm", "Nm", 1e6)),
+    ],
+)
+def test_further_spellings(text: str, si_unit: str, factor: float | None) -> None:
+    assert unit_factor(text, si_unit) == (None if factor is None else pytest.approx(factor))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(
+            "# current_unit=mA",
+            "# Y-Unit: mA",
+            "XUnit=s YUnit=mA",
+            "All currents are in mA.",
+            "# units: s mA Nm",
+        ),
+        *('# {"unit": {"i": "mA"}}', "unit = mA", "Einheiten: s, mA"),
+    ],
+)
+def test_a_unit_in_a_line_of_the_head_keeps_si_from_being_assumed(tmp_path: Path, line: str) -> None:
+    path = tmp_path / "table.csv"
+    rows = "".join(f"{t:.3f};{np.sin(300 * t):.4f}\n" for t in TIME_S)
+    for text in (f"{line}\nt;i\n{rows}", f"t;i\n{rows}{line}\n"):
+        if text.endswith(f"{line}\n") and not line.startswith("#"):
+            continue  # below the rows comments alone are looked at as lines
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(AnalysisError, match="has the unit 'mA', but not of which column"):
+            TextTable.open(path).select("i", "A")
+
+
+def test_units_of_settings_are_none_of_columns(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    rows = "".join(f"{t:.3f};{np.sin(300 * t):.4f}\n" for t in TIME_S)
+    path.write_text(f"Range: 500 mA\nTime base: 10 ms per unit\nt;i\n{rows}", encoding="utf-8")
+    found = TextTable.open(path)
+    assert [found.select(*each).unit_from for each in (("t", "s"), ("i", "A"))] == ["assumed"] * 2
+
+
+@pytest.mark.parametrize("head", ["t;i;T;n\n", "t;T\n", "Name;t;i;T\n"])
+def test_a_head_of_another_width_is_told(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(head + "".join(f"{t:.3f};{np.sin(300 * t):.4f};1.5\n" for t in TIME_S), encoding="utf-8")
+    found = analyze_table(TableQuestion(path, "1", {"current": "2"}))
+    text = next(each.text for each in found.remarks if each.kind == RemarkKind.OTHER_HEAD)
+    assert f"has {head.count(';') + 1} cells and the rows have 3" in text
+
+
+@pytest.mark.parametrize(
+    "name", ["I*1000 [A]", "I[A]*1000", "Ia x10 [A]", "Ia 1e3 [A]", "CH1 10x (A)", "I x0.01 A"]
+)
 def test_a_factor_in_the_name_is_asked_for(tmp_path: Path, name: str) -> None:
     with pytest.raises(AnalysisError, match=r"in the name of column '2' of .* may be a factor of its values"):
         table(tmp_path, name).select("2", "A")
