@@ -12,7 +12,10 @@ from .declaration import (
     Panel as Panel,
     Quantity as Quantity,
 )
-from .distributions import equally_likely as equally_likely
+from .distributions import (
+    equally_likely as equally_likely,
+    students_deviation as students_deviation,
+)
 from .flux.trajectory import flux_trajectory as flux_trajectory
 from .measurement import (
     Basis as Basis,

@@ -17,6 +17,7 @@ from benchtool.analysis import (
     InstrumentError,
     Measurement,
     Uncertainty,
+    students_deviation,
 )
 from benchtool.plan import Limit, Plan, cases
 from benchtool.results.agreement import disagreements, transducer_name
@@ -35,8 +36,10 @@ class Repeated:
     """One measurement over `n` repetitions in which it was defined.
 
     `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
-    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. It does not contain errors that all repetitions
-    share, which `uncertainty` and the JSON add: `instruments` are those of sensors and clock, `power` is what
+    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. That of `uncertainty` and of the JSON is the
+    standard deviation of Student's distribution (JCGM 101:2008, 6.4.9.4), as of every other number: three
+    repetitions are too few to know their scatter. It also contains errors that all repetitions share:
+    `instruments` are those of sensors and clock, `power` is what
     the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
     Of equal numbers, which no scatter tells of, it is that of a `single` one.
     `correction` is what was added to the mean for the sensors, `basis` that of the first repetition, and
@@ -63,8 +66,10 @@ class Repeated:
             return None
         if self._agree:
             return self.single
-        source = f"scatter over {self.n} repetitions"
-        scatter = Uncertainty(self.standard_uncertainty, source, self.n - 1.0)
+        source, dof = f"scatter over {self.n} repetitions", self.n - 1.0
+        standard = students_deviation(dof) * self.standard_uncertainty
+        line = Contribution(source, "A", standard, dof, of_student=True)
+        scatter = Uncertainty(standard, source, dof, (line,))
         return scatter.with_power(self.power).with_instruments((*self.unshown, *self.instruments))
 
     @property
