@@ -36,7 +36,8 @@ class Basis:
     line of a spectrum is that was chosen as the largest. `frequency_Hz` is that of the line that a number
     is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
     component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
-    largest.
+    largest. `bin_Hz` is the width of the bins that noise is stated of, and `band` half the width of the band,
+    in the signal's unit, within which a signal counts as settled.
     """
 
     samples: float | None = None
@@ -52,6 +53,8 @@ class Basis:
     line_Hz: float | None = None
     frequency_Hz: float | None = None
     order: int | None = None
+    bin_Hz: float | None = None
+    band: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """Return the fields that apply."""

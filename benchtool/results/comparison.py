@@ -16,6 +16,7 @@ from benchtool.results.repetitions import Repeated
 
 _SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
 _SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
+_SAME_WIDTH = 0.02  # of the wider bin or band: a percent of its noise, a fiftieth of a time constant
 
 
 @dataclass(frozen=True)
@@ -271,7 +272,12 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        reason = _other_line(one, two) or _other_order(one, two) or _corrected_alone(one, two)
+        reason = (
+            _other_line(one, two)
+            or _other_order(one, two)
+            or _other_width(one, two)
+            or _corrected_alone(one, two)
+        )
         uncertainty = None if reason else _combined(one, two)
         # where either is missing, nothing is decided
         U = math.nan if uncertainty is None else uncertainty.expanded
@@ -319,6 +325,28 @@ def _other_order(one: Measurement, two: Measurement) -> str:
         f"the largest order is {here} in the reference and {there} here: two orders, whose numbers are not "
         f"compared"
     )
+
+
+def _other_width(one: Measurement, two: Measurement) -> str:
+    """Return that noise is stated of bins, or a signal settled within bands, of other widths; empty if they
+    are the same."""
+    match (one.basis.bin_Hz, two.basis.bin_Hz):
+        case float() as here, float() as there if _differ(here, there):
+            return (
+                f"it is of bins of {here:.4g} Hz in the reference and of {there:.4g} Hz here, which hold "
+                f"other shares of the noise: compare its density, or records of one length"
+            )
+    match (one.basis.band, two.basis.band):
+        case float() as here, float() as there if _differ(here, there):
+            return (
+                f"settled is within {here:.4g} in the reference and within {there:.4g} here, as the noise of "
+                f"each allows: two quantities, whose numbers are not compared"
+            )
+    return ""
+
+
+def _differ(one: float, two: float) -> bool:
+    return abs(one - two) > _SAME_WIDTH * max(one, two)
 
 
 def _corrected_alone(one: Measurement, two: Measurement) -> str:

@@ -95,6 +95,12 @@ class Basis(Document):
     """The line of the spectrum that is meant; lines of two runs are compared where they are the same."""
     frequency_Hz: float | None = None
     """The frequency of the line that the number is; of a table of orders that of the first."""
+    order: int | None = None
+    """How often in a revolution the component repeats itself that the number is of."""
+    bin_Hz: float | None = None
+    """Width of the bins that noise is stated of; noise of two runs is compared where it is the same."""
+    band: float | None = None
+    """Half the width, in the signal's unit, within which it counts as settled; compared likewise."""
     alignment_s: float | None = None
     """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
 

@@ -293,14 +293,15 @@ def _noise(
                 name, of, text, "fewer than 8 bins are between harmonics: record longer", basis
             )
             continue
-        value = floor.amplitude if name == "current_noise_floor" else floor.density
+        of_bins = name == "current_noise_floor"
+        value = floor.amplitude if of_bins else floor.density
         source = f"scatter of {floor.bins} bins in bands, and what the lines' motion may leave in them"
         yield Measurement(
             name,
             value,
             of,
             text,
-            basis,
+            replace(basis, bin_Hz=floor.bin_Hz) if of_bins else basis,
             Uncertainty(value * floor.relative_error, source, floor.dof),
             sensitivities=Sensitivities((Sensitivity(channel, value),), Noise(fundamental_Hz)),
         )

@@ -36,7 +36,7 @@ Stochastic Processes, 4th ed., 6.2), which is one half at a = rms sqrt(ln 2).
 class NoiseFloor:
     """Noise between the harmonics of a spectrum, in the signal's unit.
 
-    `amplitude` is the rms over `bins` bins of their peak amplitude, `density` is rms per sqrt(Hz). The
+    `amplitude` is the rms over `bins` bins, each `bin_Hz` wide, of their peak amplitude. The
     medians of narrow bands give it, so that lines in less than half of the bins of a band do not count, and
     noise need not be white: where the density is steep, it is the mean of the squares, without the lines that
     stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
@@ -46,10 +46,15 @@ class NoiseFloor:
     """
 
     amplitude: float
-    density: float
+    bin_Hz: float
     bins: int
     relative_error: float
     dof: float
+
+    @property
+    def density(self) -> float:
+        """Noise per root of the bandwidth, rms, in the signal's unit per sqrt(Hz)."""
+        return self.amplitude / math.sqrt(2.0 * self.bin_Hz)
 
     @property
     def standard(self) -> float:
@@ -109,7 +114,7 @@ def noise_floor(
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
     of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
     of_root = math.hypot(_relative_to_found(relative), of_leakage, of_rest)
-    return NoiseFloor(amplitude, amplitude / math.sqrt(2.0 * bin_Hz), len(bins), of_root, dof)
+    return NoiseFloor(amplitude, bin_Hz, len(bins), of_root, dof)
 
 
 def _of_low_bands(powers: list[float], shares: NDArray[np.float64]) -> float:

@@ -136,10 +136,17 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
     arrived = None if arrival is None else arrival.instant
     settled = curve.last_outside(step.final, band)
     yield from _times(step, curve, arrived)
-    yield _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
+    settling = _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
+    yield _within(settling, band)
     yield from _excursions(step, curve, arrived)
     yield from plateau_numbers(step, curve, arrived, band)
-    yield from tracking_numbers(step, curve, settled, band)
+    for each in tracking_numbers(step, curve, settled, band):
+        yield _within(each, band)
+
+
+def _within(each: Measurement, band: float) -> Measurement:
+    """Return a number that hangs on when the signal settles within a band."""
+    return replace(each, basis=replace(each.basis, band=band))
 
 
 def _curve(step: Step) -> tuple[NoisyCurve, Floats]:

@@ -400,3 +400,20 @@ def test_values_are_shown_to_the_place_of_their_difference() -> None:
     assert _values(delta) == ("9.9987", "10.0039")
     (bare,) = deltas(result(x=(9.99874, None)), result(x=(10.0039, None)))
     assert _values(bare) == ("9.999", "10.00")
+
+
+@pytest.mark.parametrize("width", ["bin_Hz", "band"])
+@pytest.mark.parametrize(("by", "is_compared"), [(1.01, True), (1.03, False)])
+def test_noise_of_other_bins_and_times_into_other_bands_are_not_compared(
+    width: str, by: float, is_compared: bool
+) -> None:
+    """Noise floors of one machine over 0.5 to 2.5 s differed by more than U in 93 %."""
+
+    def of(value: float) -> Assessment:
+        found = result(x=(1.0, 0.1))
+        basis = Basis(**{width: value})  # type: ignore[arg-type]
+        return replace(found, measurements=(replace(found.measurements[0], basis=basis),))
+
+    (delta,) = deltas(of(1.0), of(by))
+    assert (delta.exceeds, delta.reason == "") == ((False, True) if is_compared else (None, False))
+    assert is_compared or "1.03 " in delta.reason
