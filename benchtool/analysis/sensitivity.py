@@ -111,7 +111,8 @@ class Sensitivities:
     `channels` are those that it is computed from; None if it has to be measured again with other errors of
     the channels that it `rests_on`, which `is_signed` says may take it below zero. `of_spectra` says that it
     is of ratios of spectra, each frequency by itself: then the response of a sensor can be divided out of a
-    channel. Both follow from the declaration of the analysis, which adds them.
+    channel. Both follow from the declaration of the analysis, which adds them. `of_largest` says that it is
+    of the line that was chosen as the largest of the channel, which before a sensor may be another.
 
     Of a symmetrical component the derivatives are the largest changes that an error causes: a magnitude near
     zero grows with an error of either sign.
@@ -122,6 +123,7 @@ class Sensitivities:
     is_signed: bool = False
     rests_on: tuple[str, ...] = ()
     of_spectra: bool = False
+    of_largest: bool = False
 
     @property
     def is_declared(self) -> bool:

@@ -19,6 +19,7 @@ from benchtool.analysis.sensitivity import Component, Level, Noise, Sensitivity
 from benchtool.analysis.sensors.corrections import Effect, bandwidth_of, corrected, without_uncertainty
 from benchtool.analysis.sensors.effects import before_the_sensors, moved_by_steps
 from benchtool.analysis.sensors.lag import Lag, Response
+from benchtool.analysis.sensors.largest_line import may_be_another
 from benchtool.analysis.sensors.tables import with_sensors
 from benchtool.analysis.sensors.waveform import Waveform, in_steps, lagged
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
@@ -123,6 +124,8 @@ class Instruments:
     def _applied(self, each: Measurement, moved: Moved) -> Measurement:
         if not math.isfinite(each.value):
             return each
+        if other := self._of_another(each):
+            return Measurement.undefined(each.name, each.unit, each.definition, other, each.basis)
         channels = each.sensitivities.channels
         effects = moved.effects if channels is None else [self._by_bandwidth(channels, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
@@ -147,6 +150,18 @@ class Instruments:
             lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *taken)]
             return replace(each, of_sensors=tuple(lines))
         return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
+
+    def _of_another(self, each: Measurement) -> str:
+        """Return why it is not known which line is the largest; empty where it is, or none was chosen."""
+        if not each.sensitivities.of_largest:
+            return ""
+        for channel in each.sensitivities.named:
+            sensor, waveform = self._sensor(channel), self._waveform(channel)
+            lag = Lag.of(sensor)
+            if sensor is not None and lag is not None and waveform is not None:
+                if other := may_be_another(each, lag, waveform):
+                    return f"{other} (bandwidth of {bandwidth_of(channel, sensor)})"
+        return ""
 
     def _of_noise(self, channels: Sequence[Sensitivity], each: Measurement) -> str:
         """Return the remark on noise that a sensor has attenuated; empty where it does not apply."""

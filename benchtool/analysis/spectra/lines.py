@@ -117,7 +117,8 @@ def spectral_lines(
     reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
-    moved = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
+    declared = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
+    moved = tuple(replace(each, of_largest=True) for each in declared)
     frequency, amplitude = (
         Measurement(
             f"{name}_line_{key}",

@@ -178,9 +178,7 @@ def test_the_mean_of_repetitions_shares_the_sensors() -> None:
     }
     ((_, (together,)),) = over_repetitions(plan, _named(plan, measured)).items()
     assert together.uncertainty is not None
-    assert together.uncertainty.experimental == pytest.approx(
-        math.hypot(together.standard_uncertainty, 0.01)
-    )
+    assert together.uncertainty.experimental == pytest.approx(math.hypot(together.standard_uncertainty, 0.01))
     assert together.judged is not None
     assert together.judged.verdict is Verdict.UNDECIDED
 
