@@ -37,7 +37,8 @@ class Basis:
     is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
     component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
     largest. `bin_Hz` is the width of the bins that noise is stated of, and `band` half the width of the band,
-    in the signal's unit, within which a signal counts as settled.
+    in the signal's unit, within which a signal counts as settled. `span_s` is how long after a step its
+    samples count.
     """
 
     samples: float | None = None
@@ -55,6 +56,7 @@ class Basis:
     order: int | None = None
     bin_Hz: float | None = None
     band: float | None = None
+    span_s: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """Return the fields that apply."""

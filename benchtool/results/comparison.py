@@ -15,8 +15,7 @@ from benchtool.results.judged_repetitions import JudgedTogether
 from benchtool.results.repetitions import Repeated
 
 _SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
-_SAME_LENGTH = 0.01  # of the longer record: whole periods differ by less
-_SAME_WIDTH = 0.02  # of the wider bin or band: a percent of its noise, a fiftieth of a time constant
+_SAME = 0.01  # of the longer record: whole periods differ by less; of the wider bin or band
 
 
 @dataclass(frozen=True)
@@ -206,7 +205,7 @@ class Comparison(SideBySide[Assessment]):
         unlike = [
             label
             for label in others
-            if abs(lasting[label] - lasting[first]) > _SAME_LENGTH * max(lasting[label], lasting[first])
+            if abs(lasting[label] - lasting[first]) > _SAME * max(lasting[label], lasting[first])
         ]
         if not unlike:
             return ""
@@ -275,7 +274,7 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
         reason = (
             _other_line(one, two)
             or _other_order(one, two)
-            or _other_width(one, two)
+            or _other_extent(one, two)
             or _corrected_alone(one, two)
         )
         uncertainty = None if reason else _combined(one, two)
@@ -327,26 +326,18 @@ def _other_order(one: Measurement, two: Measurement) -> str:
     )
 
 
-def _other_width(one: Measurement, two: Measurement) -> str:
-    """Return that noise is stated of bins, or a signal settled within bands, of other widths; empty if they
-    are the same."""
-    match (one.basis.bin_Hz, two.basis.bin_Hz):
-        case float() as here, float() as there if _differ(here, there):
-            return (
-                f"it is of bins of {here:.4g} Hz in the reference and of {there:.4g} Hz here, which hold "
-                f"other shares of the noise: compare its density, or records of one length"
-            )
-    match (one.basis.band, two.basis.band):
-        case float() as here, float() as there if _differ(here, there):
-            return (
-                f"settled is within {here:.4g} in the reference and within {there:.4g} here, as the noise of "
-                f"each allows: two quantities, whose numbers are not compared"
-            )
+def _other_extent(one: Measurement, two: Measurement) -> str:
+    """Return that noise is stated of bins of other widths, that a signal settled within another band, or that
+    a transient was followed for another time; empty if they are the same."""
+    here, there = one.basis, two.basis
+    for first, second, unit, what in (
+        (here.bin_Hz, there.bin_Hz, " Hz", "bins, which hold other shares of the noise: compare its density"),
+        (here.band, there.band, "", "bands within which it counts as settled, by the noise of each record"),
+        (here.span_s, there.span_s, " s", "times after the step, over which its samples count"),
+    ):
+        if first is not None and second is not None and abs(first - second) > _SAME * max(first, second):
+            return f"{first:.4g}{unit} in the reference and {second:.4g}{unit} here are two {what}"
     return ""
-
-
-def _differ(one: float, two: float) -> bool:
-    return abs(one - two) > _SAME_WIDTH * max(one, two)
 
 
 def _corrected_alone(one: Measurement, two: Measurement) -> str:

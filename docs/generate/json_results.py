@@ -44,7 +44,9 @@ class Contribution(Document):
     sign: Literal[-1, 1] | None = None
     """Sign with which the instrument's error enters."""
     of_student: bool | None = None
-    """Whether the standard uncertainty is the standard deviation of Student's distribution."""
+    """Whether the standard uncertainty is the standard deviation of Student's distribution: so many times the
+    experimental one as sqrt(dof / (dof - 2)), or, of fewer than 2.5 degrees of freedom, as sqrt(2 dof) or half
+    of Student's factor, whichever is more."""
     adds_power: bool | None = None
     """Whether it is what noise adds to a root of powers, in every record alike."""
 
@@ -101,6 +103,8 @@ class Basis(Document):
     """Width of the bins that noise is stated of; noise of two runs is compared where it is the same."""
     band: float | None = None
     """Half the width, in the signal's unit, within which it counts as settled; compared likewise."""
+    span_s: float | None = None
+    """How long after a step the samples count; compared likewise."""
     alignment_s: float | None = None
     """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
 

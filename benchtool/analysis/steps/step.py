@@ -137,16 +137,18 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
     settled = curve.last_outside(step.final, band)
     yield from _times(step, curve, arrived)
     settling = _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
-    yield _within(settling, band)
+    yield _resting_on(settling, band=band)
     yield from _excursions(step, curve, arrived)
-    yield from plateau_numbers(step, curve, arrived, band)
+    for each in plateau_numbers(step, curve, arrived, band):
+        yield _resting_on(each, span_s=(step.leaves - step.zero) * step.period_s)
     for each in tracking_numbers(step, curve, settled, band):
-        yield _within(each, band)
+        yield _resting_on(each, band=band, span_s=(len(step.y) - step.zero) * step.period_s)
 
 
-def _within(each: Measurement, band: float) -> Measurement:
-    """Return a number that hangs on when the signal settles within a band."""
-    return replace(each, basis=replace(each.basis, band=band))
+def _resting_on(each: Measurement, *, band: float | None = None, span_s: float | None = None) -> Measurement:
+    """Return a number that hangs on when the signal settles within a band, or on how long it counts after the
+    step."""
+    return replace(each, basis=replace(each.basis, band=band, span_s=span_s))
 
 
 def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
