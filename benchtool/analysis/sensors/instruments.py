@@ -158,9 +158,10 @@ class Instruments:
         for channel in each.sensitivities.named:
             sensor, waveform = self._sensor(channel), self._waveform(channel)
             lag = Lag.of(sensor)
-            if sensor is not None and lag is not None and waveform is not None:
-                if other := may_be_another(each, lag, waveform):
-                    return f"{other} (bandwidth of {bandwidth_of(channel, sensor)})"
+            if sensor is None or lag is None or waveform is None:
+                continue
+            if other := may_be_another(each, lag, waveform):
+                return f"{other} (bandwidth of {bandwidth_of(channel, sensor)})"
         return ""
 
     def _of_noise(self, channels: Sequence[Sensitivity], each: Measurement) -> str:
