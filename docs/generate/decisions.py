@@ -145,7 +145,7 @@ SECTIONS: Final = (
         "How a number is judged by its limit, what repetitions tell together, and when two runs differ "
         "(`benchtool.results`).",
         """
-        0038 0058 0328 0369 0354 0287 0039 0066 0329
+        0038 0058 0328 0369 0354 0287 0400 0039 0401 0066 0329
         """,
     ),
     Section(
@@ -177,7 +177,7 @@ SECTIONS: Final = (
         "Gain, offset, bandwidth, resolution, calibration and sample times of the instruments, in every "
         "number that they touch (`benchtool.analysis.sensors`).",
         """
-        0062 0269 0063 0064 0216 0253 0268 0254 0069 0079
+        0062 0269 0063 0064 0216 0402 0253 0268 0254 0069 0079
         """,
     ),
     Section(
