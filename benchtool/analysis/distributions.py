@@ -57,17 +57,8 @@ def student_below(dof: float, t: float) -> float:
 
 
 def students_deviation(dof: float) -> float:
-    """Return the standard deviation of Student's distribution, sqrt(dof / (dof - 2)).
-
-    Below 2.5 degrees of freedom it is bounded, and no less than half of the factor of 95 %, so that twice of
-    it covers as much.
-    """
-    if not math.isfinite(dof):
-        return 1.0
-    bounded = math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE))
-    if dof >= 2.0 + _LEAST_SPARE:
-        return bounded
-    return max(bounded, 0.5 * student_quantile(max(1.0, dof), 0.975))
+    """Return standard deviation of Student's distribution, sqrt(dof / (dof - 2)), or bounded below 2.5."""
+    return math.sqrt(dof / max(dof - 2.0, _LEAST_SPARE)) if math.isfinite(dof) else 1.0
 
 
 @lru_cache(maxsize=4096)

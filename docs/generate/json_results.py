@@ -45,8 +45,7 @@ class Contribution(Document):
     """Sign with which the instrument's error enters."""
     of_student: bool | None = None
     """Whether the standard uncertainty is the standard deviation of Student's distribution: the experimental
-    one times sqrt(dof / (dof - 2)), or with fewer than 2.5 degrees of freedom times sqrt(2 dof) or half of
-    Student's factor, whichever is more."""
+    one times sqrt(dof / (dof - 2)), with fewer than 2.5 degrees of freedom times sqrt(2 dof)."""
     adds_power: bool | None = None
     """Whether it is what noise adds to a root of powers, in every record alike."""
 
