@@ -8,10 +8,12 @@ from datetime import UTC, date, datetime
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.errors import AnalysisError
 from benchtool.tables.selection import Selection
 
 _PER_S = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 _FIRST_S, _LAST_S = 946_684_800.0, 4_102_444_800.0  # from 2000 up to 2100, UTC
+_LARGEST_S = 1e11  # of a time in seconds of no stated unit
 _MODULI = tuple(2**bits for bits in (8, 16, 24, 32))
 _LONGEST_STEP = 0.25  # of the modulus: of longer ones it is not known how often they go round
 _OFF = 1e-6  # of a count: what gain and unit round
@@ -39,12 +41,22 @@ def read_clock(
     A time of no stated unit that is between the years 2000 and 2100 in one of s, ms, us and ns is in that. A
     count of whole numbers that goes back is that of a counter of 8, 16, 24 or 32 bits where every step is
     then as the others are, and goes on behind it; but not where the rows may be more than one table.
+
+    Raises:
+        AnalysisError: a time of no stated unit is thousands of years in seconds.
     """
     clock = Clock()
     if selection.unit_from == "assumed" and (unit := _unit_since_1970(time_s)):
         selection = replace(selection, unit=unit, unit_from="size", factor=1.0 / _PER_S[unit])
         time_s = time_s / _PER_S[unit]
         clock = Clock(datetime.fromtimestamp(float(time_s[0]), UTC).date())
+    if selection.unit_from == "assumed" and float(np.abs(time_s).max()) > _LARGEST_S:
+        name = selection.name or str(selection.number)
+        raise AnalysisError(
+            f"the time '{name}' has no unit and counts up to {np.abs(time_s).max():.4g}, thousands of years "
+            f"if in seconds: state its unit, as '{name}:us', with a gain where one step is another size, as "
+            f"'{name}:us*0.1'"
+        )
     scale_s = selection.gain * selection.factor
     counts = time_s / scale_s - selection.offset / selection.gain
     modulus = _modulus(counts) if is_one_table else 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import pyarrow as pa
@@ -13,12 +14,13 @@ _PATTERN = (
     r"^(?:(?:(?P<year>[0-9]{4})[-/](?P<month>[0-9]{2})[-/](?P<day>[0-9]{2})"
     r"|(?P<day_first>[0-9]{1,2})\.(?P<month_next>[0-9]{1,2})\.(?P<year_last>[0-9]{4})"
     r"|(?P<either>[0-9]{1,2}/[0-9]{1,2}/[0-9]{4}))[Tt ,] ?)?"
-    r"(?:(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2}):(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*)?"
+    r"(?:(?P<hour>[0-9]{1,3}):(?P<minute>[0-9]{2}):(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*)?"
     r"(?: ?(?P<half>[AaPp])\.?[Mm]\.?)?"
     r"|(?P<minute_first>[0-9]{1,2}):(?P<second_next>[0-9]{2})[.,](?P<part>[0-9]{1,9})[0-9]*)"
     r"(?P<zone> ?[Zz]|(?P<sign>[+-])(?P<hours>[0-9]{2}):?(?P<minutes>[0-9]{2})?)?$"
 )
 _STAMP = re.compile(_PATTERN)
+_MONTHS = 12
 _DAY_NS, _HOUR_NS = 86_400_000_000_000, 3_600_000_000_000
 
 
@@ -35,7 +37,8 @@ def is_stamp(cell: str) -> bool:
 def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     """Return the seconds since the first stamp among the cells of text, null where a cell is none.
 
-    Times of day without a date go on behind midnight, minutes and seconds behind the hour.
+    Times of day without a date go on behind midnight, minutes and seconds behind the hour; hours of 24 and
+    more are elapsed ones.
     """
     cells = pc.ascii_trim_whitespace(cells).combine_chunks()
     fields = pc.extract_regex(cells, _PATTERN)
@@ -52,7 +55,9 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     )
     hour = np.where(is_half, hour % 12.0 + 12.0 * is_afternoon, hour)
     known = _values(pc.is_valid(fields)).astype(bool) & np.isfinite(day_s)
-    known &= (hour < 24.0) & (minute < 60.0) & (second < 61.0)
+    # without a date they may count on: 25:00:00 is an hour after 24:00:00
+    is_elapsed = not has_date and not is_half.any() and bool(np.any(hour[known] >= 24.0))
+    known &= ((hour < 24.0) | is_elapsed) & (minute < 60.0) & (second < 61.0)
     if not known.any():
         return pa.chunked_array([pa.nulls(len(cells), pa.float64())])
     zone_s = 3600.0 * _count(part["hours"], 2) + 60.0 * _count(part["minutes"], 2)
@@ -63,7 +68,7 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     count_ns = (_count(part["fraction"], 9) + _count(part["part"], 9)).astype(np.int64)
     elapsed_ns = 1_000_000_000 * np.where(known, whole_s - whole_s[first], 0.0).astype(np.int64)
     elapsed_ns += count_ns - count_ns[first]
-    if not has_date:
+    if not has_date and not is_elapsed:
         turn_ns = _DAY_NS if _is_set(part["hour"])[known].any() else _HOUR_NS
         elapsed_ns[known] += turn_ns * np.cumsum(2 * np.diff(elapsed_ns[known], prepend=0) < -turn_ns)
     return pa.chunked_array([pa.array(elapsed_ns / 1e9, mask=~known)])
@@ -71,16 +76,37 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
 
 def _days(part: dict[str, pa.Array]) -> tuple[NDArray[np.float64], bool]:
     """Return the seconds from 1970 to the day of each stamp, nan where there is no such day, and whether any
-    has a date; of a date whose day and month cannot be told apart, as of one day, if all are the same."""
+    has a date; of a date whose day and month cannot be told apart by any, as of one day, if all are the
+    same."""
     written = pc.if_else(_is_there(part["day_first"]), _day_first(part), _year_first(part))
+    written = pc.if_else(_is_there(part["either"]), _in_order(part["either"]), written)
     has_date = bool(pc.any(pc.not_equal(written, "")).as_py())
     dated = pc.if_else(pc.equal(written, ""), "1970-01-01", written)
     moment = pc.strptime(dated, format="%Y-%m-%d", unit="s", error_is_null=True)
     day_s = np.where(_values(pc.is_valid(moment)) > 0.0, _values(pc.cast(moment, pa.int64())), np.nan)
     either = [each for each in pc.unique(part["either"]).to_pylist() if each]
-    if len(either) > 1:
+    if len(either) > 1 and not _is_month_first(either) and not _is_day_first(either):
         day_s[_is_set(part["either"])] = np.nan
     return day_s, has_date
+
+
+def _is_month_first(dates: Sequence[str]) -> bool:
+    return any(int(each.split("/")[1]) > _MONTHS for each in dates)
+
+
+def _is_day_first(dates: Sequence[str]) -> bool:
+    return any(int(each.split("/")[0]) > _MONTHS for each in dates)
+
+
+def _in_order(dates: pa.Array) -> pa.Array:
+    """Return dates with solidi as year, month and day, by which of them is above 12 in any; empty where none
+    is."""
+    known = [each for each in pc.unique(dates).to_pylist() if each]
+    order = r"\2-\1" if _is_day_first(known) else r"\1-\2" if _is_month_first(known) else ""
+    if not order:
+        return pa.array([""] * len(dates))
+    padded = pc.replace_substring_regex(dates, r"\b([0-9])/", r"0\1/")
+    return pc.replace_substring_regex(padded, r"^([0-9]{2})/([0-9]{2})/([0-9]{4})$", rf"\3-{order}")
 
 
 def _year_first(part: dict[str, pa.Array]) -> pa.Array:

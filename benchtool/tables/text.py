@@ -34,6 +34,7 @@ _NO_READING = 9.9e37  # instruments send 9.9e37 for infinity and 9.91e37 for no 
 _LEAST_MARK, _MARK_APART = 999.0, 10.0  # of a number that marks no reading: its size, and by how much
 _ANYTHING = re.compile(rb"\S")
 _COMMENT = re.compile(rb"^[ \t]*[#%].*$", re.MULTILINE)
+_LONG_QUOTE = re.compile(rb'"[^"\n]*(?:\n[^"\n]*){9,}"')  # stray marks, which would join rows
 _BLANK_LINE = re.compile(rb"^[ \t]*$", re.MULTILINE)
 _FEW_BLANK = 0.25  # of the lines: more of them are between all
 _BLANKS = re.compile(rb"[ \t]+")
@@ -222,6 +223,8 @@ class TextTable:
 
     def _body(self) -> bytes:
         body = self.text[self.layout.begin :]
+        if b'"' in body and _LONG_QUOTE.search(body):
+            body = _LONG_QUOTE.sub(lambda match: match[0].replace(b'"', b" "), body)
         if len(self.layout.columns) == 1:
             body = _with_empty_cells(body)
         if not body.isascii() or b"\0" in body:

@@ -78,6 +78,12 @@ def time_base(time_s: NDArray[np.float64], values: NDArray[np.float64] | None = 
     if not np.any(steps):
         return _refused(time_s, f"the time is {time_s[0]:g} s in every row")
     back = np.flatnonzero(steps < 0.0)
+    if len(back) == len(steps):
+        return _refused(
+            time_s,
+            "the time goes back at every row: the newest row is first, or the time counts down; sort the "
+            "rows by when they were read",
+        )
     if len(back):
         places = "once" if len(back) == 1 else f"{len(back)} times"
         return _refused(

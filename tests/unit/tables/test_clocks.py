@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.typing import NDArray
 
+from benchtool.errors import AnalysisError
 from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.clocks import Clock, read_clock
 from benchtool.tables.selection import Selection
@@ -40,7 +41,14 @@ def test_a_stated_unit_stays(unit_from: str) -> None:
     assert time_s is times
 
 
-@pytest.mark.parametrize("first", [0.0, 1e5, 9e8, 5e9, 5e12])
+def test_thousands_of_years_are_no_seconds() -> None:
+    times = 5e12 + np.arange(50.0)
+    with pytest.raises(AnalysisError, match="thousands of years if in seconds: state its unit, as 't:us'"):
+        read_clock(time_in(), times)
+    assert read_clock(time_in("s", "option"), times)[1] is times
+
+
+@pytest.mark.parametrize("first", [0.0, 1e5, 9e8, 5e9])
 def test_other_sizes_tell_no_unit(first: float) -> None:
     found, _, clock = read_clock(time_in(), first + np.arange(50.0))
     assert (found.unit_from, clock.day) == ("assumed", None)

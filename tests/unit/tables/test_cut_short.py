@@ -65,3 +65,14 @@ def test_the_least_beside_the_greatest_is_no_minute(tmp_path: Path) -> None:
 def test_few_stamps_tell_no_rate(count: int) -> None:
     base = time_base(np.floor(np.arange(4000) * count / 4000.0))
     assert f"the time has {count} different values in 4000 rows, 1 s apart" in base.refusal
+
+
+@pytest.mark.parametrize("rate_Hz", [None, 2000.0])
+def test_stray_quotation_marks_join_no_rows(tmp_path: Path, rate_Hz: float | None) -> None:
+    lines = [f"{line};" for line in text(";").splitlines()]
+    lines[100] += '5" shaft'
+    lines[700] += '"stop'
+    path = tmp_path / "table.csv"
+    path.write_text("t [s];M [mNm];note\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    found = analyze_table(TableQuestion(path, None if rate_Hz else "1", {"torque": "2"}, rate_Hz=rate_Hz))
+    assert rows_used(found) == ROWS

@@ -98,3 +98,18 @@ def test_dates_and_clocks_of_other_tools() -> None:
 def test_a_day_and_a_month_that_cannot_be_told_apart_are_none() -> None:
     assert seconds("03/01/2026 11:59:58 PM", "03/01/2026 11:59:59 PM") == [0.0, 1.0]
     assert seconds("03/01/2026 11:59:59 PM", "03/02/2026 12:00:00 AM") == [None, None]
+
+
+def test_hours_of_a_day_and_more_are_elapsed() -> None:
+    assert seconds("23:59:59.5", "24:00:00", "100:00:00") == [0.0, 0.5, 273600.5]
+
+
+@pytest.mark.parametrize(
+    "cells", [("11/28/2026 23:59:59", "11/29/2026 00:00:00"), ("28/11/2026 23:59:59", "29/11/2026 0:00:00")]
+)
+def test_a_day_above_twelve_tells_days_from_months(cells: tuple[str, str]) -> None:
+    assert seconds(*cells) == [0.0, 1.0]
+    assert seconds("1/2/2026 00:00:00", "1/3/2026 00:00:00", cells[0])[1] == (
+        86400.0 if cells[0].startswith("11") else 28 * 86400.0
+    )
+    assert seconds("1/2/2026 00:00:00", "1/3/2026 00:00:00") == [None, None]

@@ -181,7 +181,7 @@ def test_little_jitter_is_stated_and_more_is_refused() -> None:
         (np.full(100, 2.5), "the time is 2.5 s in every row"),
         (np.insert(ROWS, 70, ROWS[69]) * 1e-3, "1 row repeats the time of the row before, first row 71"),
         (np.tile(ROWS, 2) * 1e-3, "goes back once, first by 4.999 s at row 5001: records joined together"),
-        (ROWS[::-1] * 1e-3, "goes back 4999 times"),
+        (ROWS[::-1] * 1e-3, "goes back at every row: the newest row is first, or the time counts down"),
         (np.concatenate([ROWS[:2500], 2500 + 1.37 * ROWS[:2500]]), "not even"),
     ],
 )
