@@ -43,7 +43,7 @@ class LineNoise:
 
 def contribution_of_noise(name: str, standard: float, dof: float) -> Contribution:
     """Return the line of a budget for noise by pairs of bins: that of few pairs has Student's deviation."""
-    return Contribution(name, "A", standard, dof, of_student=dof < 2.0 * PAIRS)
+    return Contribution(name, "A", float(standard), float(dof), of_student=bool(dof < 2.0 * PAIRS))
 
 
 def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNoise:

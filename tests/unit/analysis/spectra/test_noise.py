@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -436,6 +437,7 @@ def test_the_interval_of_an_amplitude_of_few_periods_holds_it_as_often_as_stated
         spectrum = CoherentSpectrum(bins * 50.0 / periods, np.abs(phasor), periods, 1e4, phasor)
         uncertain = combined(line_errors(spectrum, 3).budget(0), "")
         assert uncertain is not None
+        assert json.loads(json.dumps([each.to_json() for each in uncertain.budget]))
         held += abs(float(np.abs(phasor[periods])) - 1.0) < uncertain.expanded
     assert held / 600 == pytest.approx(0.96, abs=0.022)
 
