@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import Bode
+from benchtool.analysis.distributions import students_deviation
 from benchtool.bench.session import Session, open_session
 from benchtool.errors import AnalysisError, PlanError
 from benchtool.plan.cases import Case
@@ -231,7 +232,8 @@ def test_repetitions_come_to_a_mean(tmp_path: Path) -> None:
     together = document["repeated"]["tpc"]["torque_ripple_rms"]
     values = [document["cases"][f"tpc.{n}"]["measurements"]["torque_ripple_rms"]["value"] for n in (1, 2, 3)]
     assert together["mean"] == pytest.approx(np.mean(values))
-    assert together["standard_uncertainty"] == pytest.approx(np.std(values, ddof=1) / math.sqrt(3.0))
+    of_mean = np.std(values, ddof=1) / math.sqrt(3.0)
+    assert together["standard_uncertainty"] == pytest.approx(students_deviation(2.0) * of_mean)
     assert together["standard_uncertainty"] > 0.0
     assert together["n"] == 3
 
