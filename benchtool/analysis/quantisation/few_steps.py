@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.readings import Readings
 
-_DRAWS, _FEWER_DRAWS = 160, 80  # in the end, and to find the lines
+_DRAWS = 120  # of each model
 _MOST_LINES, _MORE_LINES = 5, 2
 _FEWEST_POINTS, _PER_CYCLE, _MOST_POINTS = 128, 16, 2048
 _POINTS_PER_LINE = 6
@@ -69,10 +69,9 @@ def few_steps(
     """
     in_steps = (math.sqrt(beside) / step) ** 2  # the square of a tiny step is zero
     record = _Record((mean - level) / step, phasors / step, in_steps, samples, points)
-    fewest = _fewest_lines(record)
-    more = _with_strongest(fewest.orders, np.abs(record.lines), _MORE_LINES)
-    richer = _Model(record, more)
-    shown = [each.shown(each.sampled(_DRAWS), richer.orders) for each in (fewest, richer)]
+    fewest, sample = _fewest_lines(record)
+    richer = _Model(record, _with_strongest(fewest.orders, np.abs(record.lines), _MORE_LINES))
+    shown = fewest.shown(sample, richer.orders), richer.shown(richer.sampled(_DRAWS), richer.orders)
     signals, read, noise, noise_read, slope = (np.concatenate(each) for each in zip(*shown, strict=True))
     return FewSteps(
         level + step * signals,
@@ -84,19 +83,20 @@ def few_steps(
     )
 
 
-def _fewest_lines(record: _Record) -> _Model:
-    """Return signals of as few lines as make all those of a record."""
+def _fewest_lines(record: _Record) -> tuple[_Model, Floats]:
+    """Return signals of as few lines as make all those of a record, and a sample of their unknowns."""
     size = np.abs(record.lines)
     orders = np.array([1 + int(np.argmax(size))])
     while True:
         model = _Model(record, orders)
-        missing = model.missing(model.sampled(_FEWER_DRAWS))
+        sample = model.sampled(_DRAWS)
+        missing = model.missing(sample)
         if len(orders) == _MOST_LINES or np.quantile(np.max(missing, axis=1), _OF_DRAWS) < _STANDS_OUT:
-            return model
+            return model, sample
         stands_out = np.median(missing, axis=0)
         more = _with_strongest(orders, np.where(stands_out > _STANDS_OUT, size, _HARDLY * stands_out), 1)
         if len(more) == len(orders):
-            return model
+            return model, sample
         orders = more
 
 
