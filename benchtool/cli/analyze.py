@@ -293,6 +293,10 @@ def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report:
 def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_options: bool) -> int:
     if run is None:
         raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")
+    if run.is_file():
+        raise UsageError(
+            f"{run} is a file, RUN is the folder of a run: a table of another tool is --csv {run}"
+        )
     if has_csv_options:
         raise UsageError(
             f"{run} is measured by the plan or the profile that it carries, columns and motor go with --csv: "

@@ -87,9 +87,10 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"state it in the option, as '{wanted}:{si_unit}' or '{wanted}:{elsewhere}'"
         )
     if unit_from == "assumed" and (perhaps := perhaps_in_name(column.bare_name, si_unit)):
+        example = perhaps if unit_factor(perhaps, si_unit) is not None else si_unit
         raise AnalysisError(
             f"the name of column '{wanted}' of {path} has '{perhaps}' in it, which may be its unit: state "
-            f"it in the option, as '{wanted}:{si_unit}', with a gain where one step is another size, as "
+            f"it in the option, as '{wanted}:{example}', with a gain where one step is another size, as "
             f"'{wanted}:{si_unit}*0.01'"
         )
     if factor is None:

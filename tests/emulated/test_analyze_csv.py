@@ -399,6 +399,7 @@ def test_for_people(invoke: Invoke) -> None:
         ((), 2, "neither RUN nor --csv FILE"),
         (("run", "--csv", "a.csv", "--time", "t", "--current", "I"), 2, "both run and --csv a.csv"),
         (("run", "--time", "t"), 2, "columns and motor go with --csv"),
+        (("a.csv", "--time", "t"), 2, "a table of another tool is --csv a.csv"),
         (("--csv", "a.csv"), 2, "--csv without --time"),
         (("--csv", "a.csv", "--time", "t"), 2, "--csv without --current, --torque and --speed"),
         (("--csv", "a.csv", "--time", "t", "--angle", "t"), 2, "--csv without --current"),
