@@ -55,7 +55,7 @@ def test_brackets_of_other_scripts_and_prepositions(tmp_path: Path, name: str) -
 
 def test_what_may_be_a_unit_or_indices_is_asked_for(tmp_path: Path) -> None:
     assert perhaps_in_name("IuA", "A") == "uA"  # phase u of motor A
-    with pytest.raises(AnalysisError, match="has 'mA' in it, .* state it in the option, as '2:mA'"):
+    with pytest.raises(AnalysisError, match=r"has 'mA' in it, .* state it in the option, as '2:mA'"):
         table(tmp_path, "ImA").select("2", "A")
     assert table(tmp_path, "ImA").select("2:mA", "A").factor == 1e-3
 
