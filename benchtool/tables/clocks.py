@@ -51,7 +51,7 @@ def read_clock(
         time_s = time_s / _PER_S[unit]
         clock = Clock(datetime.fromtimestamp(float(time_s[0]), UTC).date())
     if selection.unit_from == "assumed" and float(np.abs(time_s).max()) > _LARGEST_S:
-        name = selection.name or str(selection.number)
+        name = selection.in_option
         raise AnalysisError(
             f"the time '{name}' has no unit and counts up to {np.abs(time_s).max():.4g}, thousands of years "
             f"if in seconds: state its unit, as '{name}:us', with a gain where one step is another size, as "

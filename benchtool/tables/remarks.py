@@ -158,7 +158,7 @@ def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
     for what, each in chosen.items():
         if each.unit_from != "assumed":
             continue
-        name, words = each.name or str(each.number), Column(each.name, "").in_brackets
+        name, words = each.in_option, Column(each.name, "").in_brackets
         if words and not is_listed(words):
             text = (
                 f"'{words}' in the head of column '{name}' was taken for a description, and {each.si_unit} "
@@ -180,7 +180,7 @@ def electrical(chosen: Mapping[str, Selection], pole_pairs: int | None) -> Itera
         each = chosen.get(what)
         if each is None or each.gain != 1.0 or not _ELECTRICAL.search(each.name):
             continue
-        of, pairs = each.name or str(each.number), pole_pairs or 4
+        of, pairs = each.in_option, pole_pairs or 4
         effect = (
             f"a mechanical one is smaller by the pole pairs: state the gain, as --speed "
             f"'{of}:{each.unit}*{1.0 / pairs:.4g}' for {pairs}"
@@ -219,7 +219,7 @@ def of_clock(clock: Clock, time: Selection | None) -> Iterator[Remark]:
     """Yield that the unit of a time was told by its size, and that it rolled over."""
     if time is None:
         return
-    name = time.name or str(time.number)
+    name = time.in_option
     if clock.day is not None:
         text = (
             f"the unit of the time '{name}' is not stated: counted in {time.unit} since 1970 it is of "

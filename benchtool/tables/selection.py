@@ -43,6 +43,11 @@ class Selection:
     gain: float = 1.0
     offset: float = 0.0
 
+    @property
+    def in_option(self) -> str:
+        """What an option calls it: its name or, of a column without one, its number."""
+        return self.name or str(self.number)
+
 
 def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: float | None) -> Selection:
     """`TextTable.select` of a layout; `path` stands in the messages."""

@@ -25,38 +25,15 @@ _SIGNS = re.compile(r"[%‰]")
 _SCALES = frozenset(
     (
         *("pu", "p.u", "percent", "pct", "prozent", "permille", "promille", "mille", "lsb", "adc"),
-        *(
-            "digit",
-            "digits",
-            "count",
-            "counts",
-            "cnt",
-            "cnts",
-            "q8",
-            "q12",
-            "q14",
-            "q15",
-            "q16",
-            "q24",
-            "q31",
-        ),
+        *("digit", "digits", "count", "counts", "cnt", "cnts"),
+        *("q8", "q12", "q14", "q15", "q16", "q24", "q31"),
     )
 )
 _SCALES_OF_VALUES = frozenset((*_SCALES, "raw", "rel", "relative", "norm", "normalized", "normalised"))
 _SCALES_OF_TIME = frozenset(
     (
         *_SCALES,
-        "tick",
-        "ticks",
-        "sample",
-        "samples",
-        "index",
-        "idx",
-        "row",
-        "rows",
-        "points",
-        "cycles",
-        "days",
+        *("tick", "ticks", "sample", "samples", "index", "idx", "row", "rows", "points", "cycles", "days"),
     )
 )
 

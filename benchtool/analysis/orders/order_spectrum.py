@@ -238,13 +238,15 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     )
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
     others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2 + beside**2)
+    # of one pair, whose distribution has no deviation, the noise of a line allows for more
+    by_noise = np.maximum(noise.in_phase, _of_student(noise.experimental, noise.dof))
     about = f"{wobble.rms_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
     return OrderSpectrum(
         signal=channel,
         unit=block.unit(channel),
         order=orders,
         amplitude=amplitude,
-        standard=np.hypot(np.maximum(noise.in_phase, _of_student(noise.experimental, noise.dof)), others),
+        standard=np.hypot(by_noise, others),
         others=others,
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),

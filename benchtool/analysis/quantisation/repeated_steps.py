@@ -157,8 +157,10 @@ class _OfFewSteps(RepeatedSteps):
 
 
 def rms_before_steps(rms: float, step: float, repeated: RepeatedSteps | None = None) -> float:
-    """Return the rms about its mean of what was read with an `rms` in steps, whose errors are `repeated` in
-    every period; None where noise hides them."""
+    """Return the rms of a signal about its mean before a converter, of whose readings this is the `rms`.
+
+    `repeated` are the errors of the steps that are alike in every period; None where noise hides them.
+    """
     added = _on_average(step) if repeated is None else repeated.added_power(step)
     return math.sqrt(max(0.0, rms**2 - added))
 
