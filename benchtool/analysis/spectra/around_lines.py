@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,10 +81,16 @@ def _continued(number: NDArray[np.int64], around: Floats, place: int) -> float:
     if len(number) < 2 or not np.all(around > 0.0):
         return 0.0
     at, level = np.log(number.astype(np.float64)), np.log(around)
-    one, other = np.triu_indices(len(number), 1)
+    one, other = _pairs(len(number))
     slope = float(np.median((level[other] - level[one]) / (at[other] - at[one])))
     slope = min(0.0, max(-_STEEPEST, slope))
     return math.exp(float(np.median(level - slope * (at - math.log(place))))) / RAYLEIGH
+
+
+@cache
+def _pairs(count: int) -> tuple[NDArray[np.int64], ...]:
+    """Return the numbers of both of every pair of so many."""
+    return np.triu_indices(count, 1)
 
 
 def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Surrounded | None:

@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from statistics import NormalDist
 
 import numpy as np
 from numpy import fft
@@ -45,8 +46,9 @@ _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by 4.1 at most
 _WEIGHTLESS = 1e-4  # of all models
 _ELSEWHERE = 3.0  # standard deviations of the logarithm of a size
-_STEPS = 50  # of Newton's method, of which some eight are taken
+_STEPS = 50  # of Newton's method, of which some four are taken
 _STEP = 1e-10
+_OF_COVERAGE = NormalDist().inv_cdf(0.5 + 0.5 * COVERAGE) / math.sqrt(2.0)  # where erf is the coverage
 _K, _DOF = 2.0, 60.0  # of Student's distribution, for 95 %
 
 
@@ -157,16 +159,17 @@ def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
     """Return how many bands are below the one from which on the density is clearly higher than before."""
-    for last in range(2, len(place)):
-        near = np.flatnonzero(place[:last] >= 0.25 * place[last])
-        below = slice(near[0] if len(near) else 0, last)
-        bins_below = float(np.sum(count[below]))
-        of_below = float(mean[below] @ count[below]) / bins_below
-        if bins_below >= 2.0:
-            ratio = float(mean[last]) / of_below
-            # no more than below is no rise, and the distribution takes time
-            if ratio > 1.0 and fisher_above(2.0 * float(count[last]), 2.0 * bins_below, ratio) < _RISES:
-                return last
+    last = np.arange(2, len(place))
+    first = np.searchsorted(place, 0.25 * place[last])
+    first[first == last] = 0
+    between = np.column_stack([first, last]).ravel()
+    bins_below, power = (np.add.reduceat(each, between)[::2] for each in (count, mean * count))
+    of_below = power / bins_below
+    # no more than below is no rise, and the distribution takes time
+    for at in np.flatnonzero((bins_below >= 2.0) & (mean[last] > of_below)):
+        ratio = float(mean[last[at]] / of_below[at])
+        if fisher_above(2.0 * float(count[last[at]]), 2.0 * float(bins_below[at]), ratio) < _RISES:
+            return int(last[at])
     return len(place)
 
 
@@ -337,7 +340,7 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     weight, scale = weight[kept] / np.sum(weight[kept]), math.sqrt(2.0) * standard[kept]
     mixture = list(zip(weight.tolist(), scale.tolist(), strict=True))
     slope = 2.0 / math.sqrt(math.pi) * weight / scale
-    half = 0.0
+    half = _OF_COVERAGE / float(weight @ (1.0 / scale))  # not more, as erf is concave
     for _ in range(_STEPS):  # from below, as what lies within rises ever more slowly
         within = sum(share * math.erf(half / each) for share, each in mixture)
         step = (COVERAGE - within) / float(np.sum(slope * np.exp(-((half / scale) ** 2))))

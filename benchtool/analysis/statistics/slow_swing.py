@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 
@@ -92,6 +91,8 @@ def sinusoid_of(values: Floats, place: Floats, least_cycles: float) -> Sinusoid 
     def left(cycles: float) -> float:
         rest = _fitted(values, swing_basis(place, cycles))[1]
         return float(rest @ rest)
+
+    from scipy.optimize import minimize_scalar  # takes longer than all else here
 
     bounds = max(least_cycles, near - _NEAR), near + _NEAR
     cycles = float(minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY}).x)

@@ -47,6 +47,7 @@ _FEWEST_INNOVATIONS, _HEAVY_TAILED = 50, 3.0  # samples; standard deviations of 
 _LEAST_DENSITY = 1e-6  # of the greatest
 _ALIKE = 0.5  # of the longest piece: others as long tell of the same slow noise
 _BY_CHANCE = 2.0  # standard deviations between the variances of two pieces of one noise
+_PRODUCTS = 2**19  # of samples and weights: up to that many the sum itself is quicker than transforms
 _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, and no noise
 
 
@@ -262,6 +263,8 @@ def _on_average(relative: Floats, valid: NDArray[np.bool_], stretch: int, alike:
 
 def _convolved(samples: Floats, weights: Floats) -> Floats:
     """Return what lies fully within the samples of their convolution along the last axis."""
+    if samples.ndim == 1 and len(samples) * len(weights) < _PRODUCTS:
+        return np.convolve(samples, weights, "valid")
     from scipy import signal  # draws in scipy.stats, which takes longer than all else here
 
     return np.asarray(signal.oaconvolve(samples, weights, mode="valid", axes=-1), np.float64)
