@@ -20,7 +20,6 @@ LEAST_DEFINED = 0.9
 _STRAIGHT = 1e-6  # a relative change of slope that is rounding
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
-_VANDERMONDE = np.vander(np.arange(-1.0, 3.0), increasing=True)
 SEED = 20_110_301
 """Of all draws of a step, so that those of its instants belong together."""
 
@@ -198,14 +197,25 @@ def _off_a_cubic(six: Floats) -> float:
     """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
     its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
     as its second difference. That of a mode is less by the square of its rate, and no kink at all."""
-    second, fourth = (float(np.max(np.abs(np.diff(six, order)))) for order in (2, 4))
+    seconds = _second_differences(six.tolist())  # lists of so few are quicker than arrays
+    second, fourth = (max(map(abs, each)) for each in (seconds, _second_differences(seconds)))
     share = min(1.0, fourth / second) ** 2 if second > 0.0 else 0.0
     return fourth * (_OF_SMOOTH + share * _OF_KINK)
 
 
+def _second_differences(values: list[float]) -> list[float]:
+    return [
+        after - 2.0 * here + before
+        for before, here, after in zip(values, values[1:], values[2:], strict=False)
+    ]
+
+
 def _cubic_zero(four: Floats, start: float) -> float:
     """Return zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
-    a, b, c, d = np.linalg.solve(_VANDERMONDE, four).tolist()
+    before, a, here, after = four.tolist()
+    c = 0.5 * (before + here) - a
+    d = (after - before) / 6.0 - 0.5 * (here - a)
+    b = here - a - c - d
     place = start
     for _ in range(3):
         slope = b + place * (2.0 * c + place * 3.0 * d)
