@@ -144,9 +144,10 @@ def _tangent(points: _Points, at: _Split, zeros: int, poles: int) -> tuple[Float
 
 def _normal(columns: Complex, values: Complex) -> tuple[Floats, Floats, Floats]:
     """Return the normal equations of real unknowns, of columns of unit length, and their lengths before."""
-    real, imaginary = columns.real, columns.imag
-    product = real.T @ real + imaginary.T @ imaginary
+    conjugate = columns.conj().T
+    product = (conjugate @ columns).real
     size = np.sqrt(np.diagonal(product))
     size = np.where(size > 0.0, size, 1.0)
-    product = product / np.outer(size, size) + _RIDGE * np.eye(len(size))
-    return product, (values.real @ real + values.imag @ imaginary) / size, size
+    product = product / (size[:, np.newaxis] * size)
+    product[np.diag_indices_from(product)] += _RIDGE
+    return product, (conjugate @ values).real / size, size
