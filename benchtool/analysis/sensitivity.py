@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 OF_MEAN_STEP: Final = 1.0 / math.sqrt(12.0)
@@ -140,6 +140,11 @@ class Sensitivities:
     def named(self) -> tuple[str, ...]:
         """The channels whose errors count."""
         return self.rests_on if self.channels is None else tuple(each.channel for each in self.channels)
+
+    @property
+    def chosen(self) -> Sensitivities:
+        """Those of the line that was chosen as the largest."""
+        return replace(self, of_largest=True)
 
     @classmethod
     def unmoved(cls, channel: str) -> Sensitivities:

@@ -257,11 +257,11 @@ def _largest(
         return
     order = standing_out[0]
     basis = replace(_at(spectrum, order), order=order)
-    unmoved = replace(Sensitivities.unmoved(spectrum.signal), of_largest=True)
+    unmoved = Sensitivities.unmoved(spectrum.signal).chosen
     why = "it is this order, or another one"
     yield Measurement(number, float(order), "", text, basis, uncertainty_reason=why, sensitivities=unmoved)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
-    own = replace(Sensitivities.of_line(spectrum.signal, value), of_largest=True)
+    own = Sensitivities.of_line(spectrum.signal, value).chosen
     yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain, sensitivities=own)
 
 

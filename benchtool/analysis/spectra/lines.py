@@ -118,7 +118,6 @@ def spectral_lines(
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
     declared = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
-    moved = tuple(replace(each, of_largest=True) for each in declared)
     frequency, amplitude = (
         Measurement(
             f"{name}_line_{key}",
@@ -127,9 +126,9 @@ def spectral_lines(
             text,
             of_line,
             Uncertainty(listed[0][2 + at], source),
-            sensitivities=sensed,
+            sensitivities=sensed.chosen,
         )
-        for at, ((key, of, text), sensed) in enumerate(zip(texts, moved, strict=True))
+        for at, ((key, of, text), sensed) in enumerate(zip(texts, declared, strict=True))
     )
     if rate_relative > 0.0:
         own = Contribution(source, "A", width_Hz * rows[0].of_place)
