@@ -10,11 +10,16 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+_NAMES = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _PATTERN = (
     r"^(?:(?:(?P<year>[0-9]{4})[-/](?P<month>[0-9]{2})[-/](?P<day>[0-9]{2})"
-    r"|(?P<day_first>[0-9]{1,2})\.(?P<month_next>[0-9]{1,2})\.(?P<year_last>[0-9]{4})"
+    r"|(?P<day_first>[0-9]{1,2})(?:\.(?P<month_next>[0-9]{1,2})\.|[- ](?P<month_named>(?i:"
+    + "|".join(_NAMES)
+    + r"))[- ])"
+    r"(?P<year_last>[0-9]{4})"
     r"|(?P<either>[0-9]{1,2}/[0-9]{1,2}/[0-9]{4}))[Tt ,] ?)?"
-    r"(?:(?P<hour>[0-9]{1,3}):(?P<minute>[0-9]{2}):(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*)?"
+    r"(?:(?P<hour>[0-9]{1,3}):(?P<minute>[0-9]{2}):(?P<second>[0-9]{2})"
+    r"(?:[.,](?P<fraction>[0-9]{1,9})[0-9]*|:(?P<thousandths>[0-9]{3}))?"
     r"(?: ?(?P<half>[AaPp])\.?[Mm]\.?)?"
     r"|(?P<minute_first>[0-9]{1,2}):(?P<second_next>[0-9]{2})[.,](?P<part>[0-9]{1,9})[0-9]*)"
     r"(?P<zone> ?[Zz]|(?P<sign>[+-])(?P<hours>[0-9]{2}):?(?P<minutes>[0-9]{2})?)?$"
@@ -28,8 +33,9 @@ def is_stamp(cell: str) -> bool:
     """Return whether a cell is a date and time, or a time of day, in the extended format of ISO 8601-1:2019.
 
     Between date and time may stand a blank, as IETF RFC 3339, 5.6 allows. Dates are also read with solidi
-    (2026/01/31, and 01/31/2026 where that is the same in all cells) and day first with dots (31.01.2026),
-    times also of a twelve-hour clock (11:59:59.5 PM) and as minutes and seconds with decimals (59:59.5).
+    (2026/01/31, and 01/31/2026 where that is the same in all cells) and day first with dots (31.01.2026) or
+    with the first letters of an English month (31-Jan-2026), times also of a twelve-hour clock (11:59:59.5
+    PM), with thousandths behind a colon (23:59:59:500) and as minutes and seconds with decimals (59:59.5).
     """
     return _STAMP.match(cell) is not None
 
@@ -65,7 +71,8 @@ def seconds_of(cells: pa.ChunkedArray) -> pa.ChunkedArray:
     whole_s = day_s + 3600.0 * hour + 60.0 * minute + second - zone_s
     first = int(np.argmax(known))
     # whole nanoseconds, rounded once: sums of rounded seconds are off the grid that the stamps are written on
-    count_ns = (_count(part["fraction"], 9) + _count(part["part"], 9)).astype(np.int64)
+    decimals = (_count(part[name], 9) for name in ("fraction", "thousandths", "part"))
+    count_ns = np.sum(list(decimals), axis=0).astype(np.int64)
     elapsed_ns = 1_000_000_000 * np.where(known, whole_s - whole_s[first], 0.0).astype(np.int64)
     elapsed_ns += count_ns - count_ns[first]
     if not has_date and not is_elapsed:
@@ -115,9 +122,12 @@ def _year_first(part: dict[str, pa.Array]) -> pa.Array:
 
 
 def _day_first(part: dict[str, pa.Array]) -> pa.Array:
+    """Return dates that begin with the day as year, month and day."""
+    at = pc.index_in(pc.utf8_lower(part["month_named"]), pa.array(_NAMES))
+    number = pc.cast(pc.add(pc.fill_null(at, -1), 1), pa.string())
     return pc.binary_join_element_wise(
         part["year_last"],
-        pc.utf8_lpad(part["month_next"], 2, "0"),
+        pc.utf8_lpad(pc.if_else(_is_there(part["month_next"]), part["month_next"], number), 2, "0"),
         pc.utf8_lpad(part["day_first"], 2, "0"),
         "-",
     )

@@ -52,6 +52,23 @@ def test_stamps_lie_on_the_grid_that_they_are_written_on() -> None:
     assert seconds(*cells) == [place / 1000 for place in range(400)]
 
 
+@given(stamps=st.lists(STAMPS, min_size=1, max_size=6), between=st.sampled_from("- "), is_loud=st.booleans())
+@settings(deadline=None)
+def test_months_may_have_their_english_names_and_thousandths_a_colon(
+    stamps: list[datetime], between: str, is_loud: bool
+) -> None:
+    stamps = [each.replace(microsecond=each.microsecond // 1000 * 1000) for each in stamps]
+    months = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+    cells = []
+    for each in stamps:
+        month = months[each.month - 1]
+        date = between.join((f"{each.day:02}", month.upper() if is_loud else month, f"{each.year}"))
+        cells.append(f"{date} {each:%H:%M:%S}:{each.microsecond // 1000:03}")
+    expected = [(each - stamps[0]) / timedelta(seconds=1) for each in stamps]
+    np.testing.assert_allclose(np.array(seconds(*cells), float), expected, rtol=1e-15, atol=1e-9)
+    assert not any(map(is_stamp, ("31-Foo-2026 10:00:00", "10:00:00:12", "31 12 2026 10:00:00")))
+
+
 def test_what_is_no_time_is_null_and_the_first_time_counts() -> None:
     assert seconds("x", "10:00:00", "", "2026-13-01 10:00:00", "10:00:02", "25:00:00") == [
         *(None, 0.0, None, None, 2.0, None)
