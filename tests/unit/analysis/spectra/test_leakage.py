@@ -9,7 +9,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis import amplitude_spectrum, coherent_spectrum, current_spectrum, track_angle
-from benchtool.analysis.spectra.resampling import HALF_WIDTH, gain_error, interpolate
+from benchtool.analysis.spectra.resampling import HALF_WIDTH, gain_error, interpolate, interpolate_all
 from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3
@@ -85,6 +85,16 @@ def test_interpolation_gives_what_sinusoids_are_between_the_samples() -> None:
         np.testing.assert_allclose(
             found, np.cos(turned * positions + 1.0), rtol=0.0, atol=1.5 * gain_error(frequency) + 1e-9
         )
+
+
+def test_the_gain_is_within_its_bound_at_every_fraction_of_a_sample() -> None:
+    number = np.arange(4 * HALF_WIDTH)
+    positions = 2.0 * HALF_WIDTH + np.linspace(0.0, 1.0, 400, endpoint=False)
+    for frequency in np.concatenate([np.geomspace(1e-4, 0.02, 40), np.linspace(0.021, 0.45, 200)]):
+        turned = 2.0 * np.pi * frequency * number
+        in_phase, in_quadrature = interpolate_all((np.cos(turned), np.sin(turned)), positions)
+        off = np.max(np.abs(np.hypot(in_phase, in_quadrature) - 1.0))
+        assert off <= gain_error(frequency) + 1e-13
 
 
 @settings(max_examples=30, deadline=None)
