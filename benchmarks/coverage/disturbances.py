@@ -65,6 +65,7 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "decaying_dc_no_angle": replace(_QUIET, decay=(0.3, 0.1), periods=21.7, angle=False),
     "clipped": replace(_QUIET, clip=0.93, noise=1e-4),
     "clipped_hard": replace(_QUIET, clip=0.7),
+    "clipped_few_rows": replace(_QUIET, clip=0.97, frequency_Hz=471.3),
     "bits_8": replace(_QUIET, bits=8, noise=1e-6),
     "bits_8_pure_sine": replace(_QUIET, bits=8, noise=0.0, harmonics={}),
     "bits_10_noise": replace(_QUIET, bits=10, noise=1e-3),

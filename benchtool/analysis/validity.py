@@ -12,8 +12,10 @@ from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.ticks import TICKS
 
-_FEWEST_CLIPPED, _CLIPPED_SHARE = 8, 2e-3
+_FEWEST_IN_A_ROW, _FEWEST_APART, _CLIPPED_SHARE = 8, 5, 2e-3
 _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
+_ONE_VALUE = 1e-10  # of the peak-to-peak: nearer values differ by rounding
+_CRESTS_BY_CHANCE = 1e-4  # of crests of waves in steps
 _LOOKED_AT = 1 << 16  # samples, to count values by
 _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
 _FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
@@ -92,9 +94,11 @@ def require_unbroken(block: Block) -> None:
 def clipping(samples: NDArray[np.float64]) -> str:
     """Return why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
 
-    Clipped is what stays at its greatest or least value, for three samples in a row or more, much oftener
-    than at the values beside it: the peak of a sine in steps of q is at most 2.4 times as often in the last
-    step as in the one before. Signals with less than sixteen different values are not tested.
+    Clipped is what is at its greatest or least value much oftener than at the values beside it: the peak of a
+    sine in steps of q is at most 2.4 times as often in the last step as in the one before. Either it stays
+    there, for three samples in a row or more, or so many are there that a crest has them once in ten thousand
+    records, as where periods have few samples. Signals with less than sixteen different values are not
+    tested.
     """
     for sign, word in ((1.0, "greatest"), (-1.0, "least")):
         if share := clipped_share(sign * samples):
@@ -120,14 +124,38 @@ def clipped_share(samples: NDArray[np.float64]) -> float:
     """Return the share of samples, shape (n,), that are clipped at their greatest value; 0 if none is."""
     at_end = samples == np.max(samples)
     count = int(np.count_nonzero(at_end))
-    if count < _FEWEST_CLIPPED or count < _CLIPPED_SHARE * len(samples):
+    if count < _FEWEST_APART or count < _CLIPPED_SHARE * len(samples):
         return 0.0
-    if not np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]):
+    values, counts = _levels(samples[:: max(1, len(samples) // _LOOKED_AT)])
+    if len(values) < _FEWEST_VALUES or not counts[-1] > _OFTENER * np.max(counts[-1 - _VALUES_BESIDE : -1]):
         return 0.0
-    values, counts = np.unique(samples[:: max(1, len(samples) // _LOOKED_AT)], return_counts=True)
-    beside = counts[-1 - _VALUES_BESIDE : -1]
-    is_clipped = len(values) >= _FEWEST_VALUES and counts[-1] > _OFTENER * np.max(beside)
+    in_a_row = bool(np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]))
+    is_clipped = (in_a_row and count >= _FEWEST_IN_A_ROW) or _is_no_crest(values, counts)
     return count / len(samples) if is_clipped else 0.0
+
+
+def _levels(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the different values of samples, shape (n,), rising, and how many have each; those that differ
+    by rounding count as one."""
+    values, counts = np.unique(samples, return_counts=True)
+    begins = np.flatnonzero(np.diff(values, prepend=-np.inf) > _ONE_VALUE * (values[-1] - values[0]))
+    return values[begins], np.add.reduceat(counts, begins)
+
+
+def _is_no_crest(values: NDArray[np.float64], counts: NDArray[np.int64]) -> bool:
+    """Return whether more samples have the last of `values`, shape (m,), than crests have by chance.
+
+    Of the samples that a crest has within k + 1 steps it has at most 1 / sqrt(k + 1) in the last, as a
+    parabola. The steps are the least distance of values; of values in no steps that is next to nothing. The
+    probability of as many is bounded by Chernoff's exp(-n D), D the divergence of both shares.
+    """
+    steps = (values[-1] - values[-1 - _VALUES_BESIDE]) / float(np.min(np.diff(values)))
+    expected, within = 1.0 / math.sqrt(1.0 + steps), int(np.sum(counts[-1 - _VALUES_BESIDE :]))
+    share = float(counts[-1]) / within
+    divergence = share * math.log(share / expected)
+    if share < 1.0:
+        divergence += (1.0 - share) * math.log((1.0 - share) / (1.0 - expected))
+    return share > expected and within * divergence > -math.log(_CRESTS_BY_CHANCE)
 
 
 def standing(samples: NDArray[np.float64]) -> str:

@@ -29,6 +29,7 @@ from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmo
 from benchtool.analysis.spectra.modulation import CORRELATED
 from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.spectra.noise_of_lines import PAIRS, noise_at_lines
+from benchtool.analysis.spectra.resampling import gain_error
 from benchtool.analysis.spectra.spectrum import (
     FIRST_ROW,
     CoherentSamples,
@@ -181,6 +182,10 @@ def current_unbalance(
     sequences = [_Sequence(each, first.periods) for each in rotating]
     steps = _of_steps(parts, columns, tones)
     positive = _component(sequences[0], steps, beside=sequences[1])
+    # which lowers all components alike
+    lost = positive.magnitude * gain_error(first.periods / first.samples) / math.sqrt(3.0)
+    resampled = Contribution("resampling", "B", lost)
+    positive = replace(positive, budget=(*positive.budget, resampled))
     beside = [_component(each, steps, sequences[0]) for each in sequences[1:]]
     components = [positive, *(_alike(each, positive) for each in beside)]
     basis = Basis(

@@ -10,7 +10,7 @@ from benchtool.analysis.quantisation.resolution import (
     step_of_counts,
     step_of_even_counts,
 )
-from benchtool.analysis.validity import standing
+from benchtool.analysis.validity import clipping, standing
 
 SINE = np.cos(2.0 * np.pi * np.arange(20_000) / 500)
 
@@ -62,3 +62,32 @@ def test_a_computed_angle_counts_in_no_steps() -> None:
     assert step_of_even_counts(0.3 + 0.0123456 * np.arange(5000.0)) == 0.0
     assert step_of_even_counts(2 * np.pi / 200 * np.arange(5000.0)) == 0.0  # back after 200 rows
     assert step_of_even_counts(np.cumsum(0.01 + 1e-6 * np.arange(500.0))) == 0.0
+
+
+@pytest.mark.parametrize("step", [0.0, 0.01])
+@pytest.mark.parametrize("rows", [6.31234, 10.98765, 21.74321, 300.1])
+def test_a_clipped_wave_is_told_with_few_rows_in_a_period_too(rows: float, step: float) -> None:
+    """Of few rows in a period no three in a row are at the limit."""
+    sine = np.cos(2.0 * np.pi * np.arange(1500) / rows)
+    read = np.round(sine / step) * step if step else sine
+    assert clipping(read) == ""
+    assert "clipped" in clipping(np.minimum(read, 0.95))
+
+
+@pytest.mark.parametrize("rows", [5, 8, 12, 20, 40])
+@pytest.mark.parametrize("step", [0.0, 0.003, 0.02, 0.1])
+def test_a_crest_that_all_periods_repeat_is_not_clipped(rows: int, step: float) -> None:
+    """Rows at the same places of all periods have the same values, but for rounding."""
+    at = 2.0 * np.pi * np.arange(60 * rows) / rows
+    for begin in np.linspace(0.0, 0.5, 6):
+        wave = np.cos(at + begin) + 0.07 * np.cos(5.0 * at) + 0.04 * np.cos(7.0 * at + 1.0)
+        assert clipping(np.round(wave / step) * step if step else wave) == ""
+
+
+def test_crests_in_steps_are_not_clipped() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(400):
+        wave = np.cos(2.0 * np.pi * np.arange(1000) / rng.uniform(5.0, 200.0))
+        wave += rng.choice([0.0, 1e-3, 1e-2]) * rng.standard_normal(1000)
+        step = rng.uniform(0.005, 0.1)
+        assert clipping(np.round(wave / step) * step) == ""

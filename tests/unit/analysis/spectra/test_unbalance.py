@@ -205,3 +205,18 @@ def test_a_tone_between_the_harmonics_is_not_in_a_component() -> None:
     assert positive.uncertainty is not None
     assert positive.uncertainty.standard < 2e-4  # 6e-3 with the tone in it
     assert positive.value == pytest.approx(5.0, abs=2.5 * positive.uncertainty.standard)
+
+
+def test_currents_with_next_to_no_noise_are_as_uncertain_as_their_resampling() -> None:
+    random, errors = np.random.default_rng(1), []
+    for per_period in (11.9, 13.1, 34.0, 60.6, 241.9):
+        theta = np.asarray(2 * np.pi * np.arange(int(30.4 * per_period) + 64.0) / per_period, np.float64)
+        phases = {
+            name: 3.0 * np.cos(theta + 0.4 - 2 * np.pi * k / 3) + 1e-8 * random.standard_normal(len(theta))
+            for k, name in enumerate(("i_a", "i_b", "i_c"))
+        }
+        block = Block.from_arrays(RATE_HZ, dict.fromkeys(phases, "A"), **phases)
+        found = current_unbalance(block, track_angle(theta, 1))[0]
+        assert found.uncertainty is not None
+        errors.append(abs(found.value - 3.0) / found.uncertainty.standard)
+    assert max(errors) < 2.0  # 10 to 200 by the noise alone
