@@ -23,7 +23,7 @@ class Changing:
     Times and rates are of the record: it decays with the constant `decay`, its frequency drifts by
     `drift_bins` from begin to end, its phase swings by (rad, cycles) and wanders by `walk_rad` until the end,
     and its amplitude swings by (share, cycles), steps by a share midway, and is nothing before `begins`.
-    Another line, `beside`, is (bins, share) away.
+    Another line, `beside`, is (bins, share) away, and a `slow` one has (share, cycles).
     """
 
     decay: float = math.inf
@@ -34,6 +34,7 @@ class Changing:
     step: float = 0.0
     begins: float = 0.0
     beside: tuple[float, float] = (0.0, 0.0)
+    slow: tuple[float, float] = (0.0, 1.0)
     noise: float = 5e-3
     kind: Kind = "white"
     duration_s: float = 4.0
@@ -52,6 +53,8 @@ def _trial(what: Changing, random: np.random.Generator) -> Iterator[tuple[Measur
     torque = 1.8 + size * np.cos(phase + turned) + what.noise * noise_of(what.kind, random, count)
     bins, share = what.beside
     torque += share * LINE_NM * np.cos(phase + 2 * np.pi * bins * at + begin[3])
+    share, cycles = what.slow
+    torque += share * LINE_NM * np.cos(2 * np.pi * cycles * at + begin[3])
     # a swing of few cycles turns it on or back from begin to end
     whole = phase + turned if what.swing[1] < _FEW_CYCLES else phase
     mean_Hz = float(whole[-1] - whole[0]) / (2 * np.pi) * RATE_HZ / (count - 1)
@@ -81,6 +84,8 @@ LINES: Mapping[str, Changing] = {
     "line_steps": replace(_STEADY, step=0.5),
     "line_begins_late": replace(_STEADY, begins=0.45),
     "line_beats_two_bins": replace(_STEADY, beside=(2.1, 0.6)),
+    "line_above_a_slow_one": replace(_STEADY, slow=(0.6, 2.3), noise=1e-3, duration_s=0.6),
+    "line_above_a_slower_one": replace(_STEADY, slow=(0.7, 1.3), duration_s=0.4),
     "line_beats_at_once": replace(_STEADY, beside=(1.1, 0.5)),
 }
 

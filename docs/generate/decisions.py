@@ -227,7 +227,7 @@ SECTIONS: Final = (
         "The largest lines of a torque or current: whether they are one line, steady, and above the noise "
         "(`benchtool.analysis.spectra`).",
         """
-        0220 0226 0277 0303 0379 0385
+        0220 0226 0277 0303 0379 0385 0395
         """,
     ),
     Section(

@@ -16,6 +16,7 @@ from benchtool.analysis.spectra.steadiness import Line, are_sidebands
 
 _PARTS, _FEWEST_CYCLES, _FEWEST_ROWS = 64, 1.0, 6  # of the record; in a part
 _HIDDEN = 1e-5  # bins, by noise: with less, no swing hides
+_SLOW_HALVES, _POWERS = 8, 3  # half cycles in the record of what is no line; of a drift
 _LARGEST_RAD = 0.25  # noise of the phase in a part: with more, a turn may be lost between parts
 
 
@@ -35,7 +36,8 @@ def along_course(samples: Floats, bins: Complexes, line: Line, others: Sequence[
     parts = min(parts, int((_LARGEST_RAD / line.of_place) ** 2))
     if parts < FEWEST:
         return line
-    phasors = _in_parts(samples - np.mean(samples) - _sum_of(others, bins, count), line.place, parts)
+    alone = _without_slow(samples - _sum_of(others, bins, count), line.place)
+    phasors = _in_parts(alone, line.place, parts)
     if not float(np.min(np.abs(phasors))) > 0.0:
         return line
     steps_rad = np.angle(phasors[1:] * np.conj(phasors[:-1]))
@@ -61,6 +63,18 @@ def _sum_of(lines: Sequence[Line], bins: Complexes, count: int) -> Floats:
     for place, phasor in zip(places, phasors_at(bins, places, count), strict=True):
         total += np.real(phasor * np.exp(2j * np.pi * place / count * (number - 0.5 * count)))
     return total
+
+
+def _without_slow(samples: Floats, place: float) -> Floats:
+    """Return samples, shape (n,), without what is slower than a line at a place: in a part of few cycles of
+    the line that is a slope, and turns it."""
+    at = np.arange(len(samples)) / len(samples) - 0.5
+    halves = np.cos(np.pi * np.outer(at + 0.5, np.arange(1.0, _SLOW_HALVES + 1.0)))
+    slow, turned = np.concatenate([np.vander(at, _POWERS), halves], axis=1), 2.0 * np.pi * place * at
+    # together with the line, whose incomplete cycles are no slow course
+    both = np.column_stack([slow, np.cos(turned), np.sin(turned)])
+    found = np.linalg.lstsq(both, samples, rcond=None)[0]
+    return np.asarray(samples - slow @ found[: slow.shape[1]])
 
 
 def _in_parts(samples: Floats, place: float, parts: int) -> Complexes:
