@@ -203,8 +203,6 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             what.speed_walk,
             what.speed_memory[0],
             what.amplitude_noise[0],
-            what.amplitude_swing[0],
-            what.amplitude_ramp,
             what.alternates,
             what.frozen,
             what.spikes,
@@ -244,10 +242,10 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
         truths["torque_ripple_rms"] = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
     if what.torque_Nm:
         truths["torque_ripple_percent_of_mean"] = 100.0 * truths["torque_ripple_pp"] / abs(what.torque_Nm)
-    if is_noise_alone and is_steady and what.second_regime == 1.0:
+    has_regimes = abs(what.second_regime - 1.0) > 0.1  # whose difference hides the harmonics too
+    if is_noise_alone and is_steady and not has_regimes:
         truths["current_noise_floor"] = math.nan
-    has_others = what.decay[0] or abs(what.second_regime - 1.0) > 0.1  # than the harmonics
-    if not has_others and not any(relative > 0.03 for _, relative in what.lines):
+    if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
         largest = max(what.harmonics.values(), default=0.0)
         truths["current_max_low_harmonic"] = truths["current_fundamental"] * largest
     steady = analyze_steady_state(

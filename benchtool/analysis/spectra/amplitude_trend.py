@@ -47,6 +47,11 @@ class AmplitudeTrend:
     growth: float
     cycles: float
 
+    @property
+    def is_step(self) -> bool:
+        """Whether it is one value before an edge, and another after it."""
+        return isinstance(self.curve, _Step)
+
 
 def amplitude_trend(
     amplitudes: Floats, before: float = 0.0, after: float = 0.0, edges: Floats | None = None

@@ -25,6 +25,7 @@ from benchtool.analysis.spectra.mean_frequency import frequency
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor
 from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise, line_noise
+from benchtool.analysis.spectra.noise_of_periods import without_changes
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.spectra.spectrum import (
@@ -111,6 +112,12 @@ def current_spectrum(
     lines, taken = basis, found.taken
     if taken is not None:
         lines = replace(basis, window=f"{basis.window}, without {taken.words}")
+    floor = without_changes(
+        noise_floor(clean, has_moved=has_moved),
+        clean,
+        found.steady.samples,
+        has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
+    )
     groups = harmonic_groups(found.coherent, HIGHEST_HARMONIC)
     beside = None if groups is None else found.beside(clean, groups)
     on_its_own, beside_rad = found.over_record(block.sample_rate_Hz, channel)
@@ -132,7 +139,7 @@ def current_spectrum(
             group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
         *_refused(
-            _noise(noise_floor(clean, has_moved=has_moved), spectrum.fundamental_Hz, unit, channel, lines),
+            _noise(floor, spectrum.fundamental_Hz, unit, channel, lines),
             sound.of_amplitudes,
         ),
     )
@@ -412,11 +419,13 @@ CURRENT_SPECTRUM: Final = Analysis(
             "A",
             "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, or "
             "where the density is steep the mean of the squares without lines; without what is taken out of "
-            "the harmonics",
+            "the harmonics; by second differences of successive periods where the amplitude changes and "
+            "these have less",
             "of each band's power 1 / (ln 2 sqrt(bins)) of it, or of steep ones by how few bins hold most of "
-            "it; of the root, the rms of errors of a gamma distribution of that relative deviation; what a "
-            "harmonic whose phase wanders leaks; where a phase was followed or the course of an amplitude "
-            "divided out, what the lower bands have more than the upper half",
+            "it, or of differences 35 / 18 over their number; of the root, the rms of errors of a gamma "
+            "distribution of that relative deviation; what a harmonic whose phase wanders leaks; where a "
+            "phase was followed or the course of an amplitude divided out, what the lower bands have more "
+            "than the upper half",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

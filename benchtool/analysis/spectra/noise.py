@@ -113,7 +113,7 @@ def noise_floor(
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
     of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
-    of_root = math.hypot(_relative_to_found(relative), of_leakage, of_rest)
+    of_root = math.hypot(relative_to_found(relative), of_leakage, of_rest)
     return NoiseFloor(amplitude, bin_Hz, len(bins), of_root, dof)
 
 
@@ -148,7 +148,7 @@ def _steep_power(square: NDArray[np.float64], shape: NDArray[np.float64]) -> tup
     return power, power**2 * inverse
 
 
-def _relative_to_found(relative: float) -> float:
+def relative_to_found(relative: float) -> float:
     """Return the rms of errors of a level in units of the level found, of a power whose relative standard
     uncertainty, in units of the power sought, is given.
 

@@ -1,0 +1,81 @@
+"""Noise floor beside harmonics whose amplitude changes, by what differs between successive periods."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+
+from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.spectra.noise import NoiseFloor, relative_to_found
+from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
+
+_BY_CHANCE = 1e-2  # of a ratio of variances
+_BESIDE = 2  # orders
+_OF_WHITE = 6.0  # 1 + 4 + 1: the power of a second difference, times that of white noise
+_AS_ONE = 35.0 / 18.0  # second differences overlap: the sum of their squared correlations
+_ALIKE = 1e-3  # by chance, of the powers of two differences
+_LEAST = 0.95  # of a power: with more, the floor stays as it is
+
+
+def without_changes(
+    floor: NoiseFloor | None, spectrum: CoherentSpectrum, samples: CoherentSamples, *, has_stepped: bool
+) -> NoiseFloor | None:
+    """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude
+    changes.
+
+    A ramp, or a step, of an amplitude has sidebands that fall off as the inverse distance, and are more than
+    the noise in all bins of a spectrum. They are in phase with the harmonic: where sidebands of the
+    fundamental are so, more than in quadrature, the floor is by the second differences of successive periods
+    if these have less. Neither a harmonic nor a ramp is in them; a step is in three, which are left out where
+    they have more, and what bends otherwise shows in the fundamental first. Of an amplitude that
+    `has_stepped` the step was divided out, but for what it leaves in the period that it is in.
+    """
+    if floor is None or samples.periods < 3 or not (has_stepped or _changes(spectrum)):
+        return floor
+    phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
+    phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
+    square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
+    own, beside = square[:, 0], np.mean(square[:, 1 : 1 + _BESIDE], axis=1)
+    if _is_more(float(np.mean(own)), float(np.mean(beside)), len(own)):
+        square[:, 0] = beside
+    of_orders = np.median(square, axis=0)
+    alike = float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
+    of_each = np.mean(square, axis=1)
+    kept = [each for each in of_each if not _is_more(each, float(np.min(of_each)), alike, _ALIKE)]
+    power = float(np.mean(kept))
+    if not 0.0 < power < _LEAST * floor.amplitude**2:
+        return floor
+    variance = _AS_ONE / (len(kept) * alike)
+    return replace(
+        floor,
+        amplitude=math.sqrt(power),
+        relative_error=relative_to_found(math.sqrt(variance)),
+        dof=2.0 / variance,
+    )
+
+
+def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CHANCE) -> bool:
+    """Return whether a mean of so many exponentially distributed powers is more than another of as many, and
+    not by chance."""
+    return other > 0.0 and fisher_above(2.0 * count, 2.0 * count, power / other) < by_chance
+
+
+def _changes(spectrum: CoherentSpectrum) -> bool:
+    """Return whether the sidebands of the fundamental in phase with it are more than the others, and not by
+    chance."""
+    periods, bins = spectrum.periods, spectrum.phasor
+    reach = min(periods, len(bins) - periods) - 1
+    if reach < 2:
+        return False
+    towards = np.exp(-1j * np.angle(bins[periods]))
+    above = bins[periods + 1 : periods + 1 + reach] * towards
+    below = np.conj(bins[periods - reach : periods][::-1] * towards)
+    return _is_more(_power(above + below), _power(above - below), reach)
+
+
+def _power(values: NDArray[np.complex128]) -> float:
+    return float(np.sum(values.real**2 + values.imag**2))

@@ -1,0 +1,55 @@
+"""The noise floor of a current whose amplitude changes over few periods, or by more than one course."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import CoherentSamples, noise_floor
+from benchtool.analysis.spectra.noise_of_periods import without_changes
+from benchtool.analysis.spectra.spectrum import spectrum_of
+
+_PER_PERIOD, _NOISE = 48, 1e-3
+Floats = NDArray[np.float64]
+
+
+def _relative(
+    periods: int, size: Floats, seed: int, *, has_stepped: bool = False
+) -> tuple[float, float, float]:
+    """Return the plain floor and that without changes over the noise, and the error of the latter over its
+    uncertainty; `size` is the course of the amplitude, shape (n,)."""
+    at = 2 * np.pi * np.arange(periods * _PER_PERIOD) / _PER_PERIOD
+    wave = size * (np.cos(at + 0.4) + 0.03 * np.cos(5 * at))
+    wave += _NOISE * np.random.default_rng(seed).standard_normal(len(at))
+    samples = CoherentSamples(wave, periods, float(len(at)), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum)
+    found = without_changes(plain, spectrum, samples, has_stepped=has_stepped)
+    assert plain is not None
+    assert found is not None
+    truth = 2.0 * _NOISE / np.sqrt(len(at))
+    error = (found.amplitude - truth) / (found.relative_error * found.amplitude)
+    return plain.amplitude / truth, found.amplitude / truth, error
+
+
+@pytest.mark.parametrize(
+    ("periods", "course"),
+    [(4, "ramp"), (9, "ramp"), (9, "step"), (9, "swing and ramp"), (40, "ramp"), (40, "swing and ramp")],
+)
+def test_a_change_of_the_amplitude_is_no_noise(periods: int, course: str) -> None:
+    place = np.linspace(-0.5, 0.5, periods * _PER_PERIOD)
+    size = 1.0 + 0.08 * place
+    if course == "step":
+        size = np.where(place < 0.13, 1.0, 1.04)
+    elif course == "swing and ramp":
+        size = size + 0.005 * np.cos(2 * np.pi * 1.3 * place)
+    plain, found, error = np.transpose([_relative(periods, size, seed) for seed in range(30)])
+    assert np.median(plain) > 1.5
+    assert np.mean(found) == pytest.approx(1.0, abs=0.06)
+    assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
+
+
+def test_the_floor_of_a_steady_amplitude_stays_as_it_is() -> None:
+    pairs = [_relative(20, np.ones(20 * _PER_PERIOD), seed)[:2] for seed in range(40)]
+    assert sum(plain == found for plain, found in pairs) >= 38
