@@ -201,6 +201,8 @@ ANSWERS: Mapping[str, Answer] = {
     "answer_fast_bits_7_noise": Answer((Mode(1.0, 2.4),), bits=7, noise=1e-3, rows=(60, 120)),
     "answer_fast_bits_12": Answer((Mode(1.0, 2.1),), bits=12, rows=(300, 95)),
     "answer_lag_bits_8_noise": Answer(_LAG, bits=8, noise=2e-3),
+    "answer_bits_7_flicker": Answer(_RINGING, bits=7, noise=2.5e-3),
+    "answer_lag_bits_6_flicker": Answer(_LAG, bits=6, noise=3e-3),
     "answer_lag_noise": Answer(_LAG, noise=1e-2),
     "answer_few_rows": Answer((Mode(1.0, 4.1, 6.7),), rows=(40, 300), noise=1e-3, delay=1.4),
     "answer_limited": Answer((Mode(1.0, 45.0),), ramp=70.0, beyond=0.15),

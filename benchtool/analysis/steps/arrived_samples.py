@@ -120,7 +120,7 @@ class ArrivedSamples:
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
-            is_moved_by_noise=len(begin.drawn) > 0 and curve.turned is None,
+            is_moved_by_noise=len(begin.drawn) > 0 and not curve.is_on_levels,
             shares=counts / len(places),
             at_rest=end - rest,
             noise=noise,

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
+HIDES = 0.5
+"""Of a step: noise of so much rms leaves hardly anything of its errors in a mean."""
+
 _EDGE = 0.5  # of a step, from the middle of a level
 _WIDER = 1  # rows, as both ends are uncertain by
 _TOGETHER = 0.5  # of the rows from the first to the last on the level

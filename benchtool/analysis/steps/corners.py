@@ -8,12 +8,13 @@ parameters, their likelihoods tell (model averaging: Hoeting et al., Statistical
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular, toeplitz
 
+from benchtool.analysis.steps.converter_levels import HIDES
 from benchtool.analysis.steps.smoothing import Noise
 
 Floats = NDArray[np.float64]
@@ -48,14 +49,19 @@ class Corner:
         return smooth[0] + share * apart, math.sqrt(square)
 
 
-def corner_near(samples: Floats, noise: Noise, top: int) -> Corner | None:
+def corner_near(samples: Floats, noise: Noise, top: int, step: float = 0.0) -> Corner | None:
     """Return the corner near row `top` of samples, shape (n,), in this noise; None where there is no noise,
     where neither course describes the samples, or where there is hardly a corner.
 
-    The longest stretch about `top` that one of them describes tells most.
+    The longest stretch about `top` that one of them describes tells most. Errors of the `step` of a converter
+    that show on the way through its levels alone, as noise at rest does not hide them, are noise there.
     """
     if not noise.rms > 0.0:
         return None
+    if noise.rms < HIDES * step:
+        covariance = noise.autocovariance.copy()
+        covariance[0] += step**2 / 12.0
+        noise = replace(noise, autocovariance=covariance)
     found: list[Corner] = []
     reach = float(_LEAST_REACH)
     while (rows := round(reach)) <= min(top, len(samples) - 1 - top, _MOST_REACH):

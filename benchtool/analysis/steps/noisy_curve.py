@@ -20,7 +20,7 @@ from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.steps.bursts import noise_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
-from benchtool.analysis.steps.converter_levels import at_turns, within_levels
+from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
 from benchtool.analysis.steps.passages import (
     LEAST_DEFINED,
     SEED,
@@ -32,7 +32,7 @@ from benchtool.analysis.steps.passages import (
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola, quartic
+from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola, quartic, rows_of_level
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,6 @@ _OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
 _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
-_HIDES = 0.5  # of a step: noise of so much rms leaves hardly anything of its errors in a mean
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _EVEN = 1e-3  # rows that their times scatter by: as much as rounding
@@ -59,7 +58,7 @@ def at_rest_error(at_rest: Floats, samples: Floats) -> float:
 def left_of_steps(rms: float, step: float) -> float:
     """Return the standard uncertainty that a converter's `step` leaves in a mean of samples that are read at
     rest with this rms; 0 where noise hides it."""
-    return _left_of_steps(rms, step) * step / math.sqrt(12.0) if rms < _HIDES * step else 0.0
+    return _left_of_steps(rms, step) * step / math.sqrt(12.0) if rms < HIDES * step else 0.0
 
 
 @dataclass(frozen=True)
@@ -69,8 +68,8 @@ class NoisyCurve:
     Without noise there are no draws. `time_scatter` is the standard deviation of the times of the samples, in
     rows, and `longer`, shape (n,), the curve under longer windows, if there is one. `before`, shape (draws,),
     is what the same noise makes of the mean of the samples before the first. `turned`, shape (draws, n), is
-    what is added to errors that are those of a converter's steps alone where a curve turns back within a
-    level of it; None otherwise. `beside`, shape (n,), is how much of the noise the samples have about the
+    what is added to errors where noise does not hide the steps of a converter and the curve turns back within
+    a level of it; None otherwise. `beside`, shape (n,), is how much of the noise the samples have about the
     curve, if any is smoothed.
     """
 
@@ -97,7 +96,7 @@ class NoisyCurve:
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(SEED)
         of_steps: float | Floats = 0.0
-        if noise.rms < _HIDES * step:
+        if noise.rms < HIDES * step:
             of_steps = _left_of_steps(noise.rms, step) * within_levels(random, samples, step, draws)
         scatter = scatter_of_times(samples, noise, step)
         if noise.rms == 0.0:
@@ -105,13 +104,15 @@ class NoisyCurve:
             if isinstance(of_steps, float):
                 known = scatter == 0.0
                 return cls(samples, np.empty((0, count)) if known else of_times, scatter)
-            turned = at_turns(random, samples, step, of_steps) - of_steps
-            return cls(samples, of_steps + of_times, scatter, turned=turned)
+            at_levels = at_turns(random, samples, step, of_steps) - of_steps
+            return cls(samples, of_steps + of_times, scatter, turned=at_levels)
         drawn = noise.draw(random, (draws, before + count))
         of_before = np.mean(drawn[:, :before], axis=1) if before else None
         drawn = levels * drawn[:, before:]
         errors, curve = smoother.apply(drawn), smoother.apply(samples)
+        turned: Floats | None = None
         if isinstance(of_steps, np.ndarray):
+            turned = smoother.apply(at_turns(random, samples, step, of_steps) - of_steps)
             of_steps = smoother.apply(of_steps)
         if scatter:
             errors += smoother.apply(_of_times(random, curve, scatter, draws))
@@ -121,19 +122,30 @@ class NoisyCurve:
         louder = residual_levels((samples - curve) / levels, noise.rms)
         errors *= louder
         errors += of_steps + random.standard_normal((draws, 1)) * bias
-        return cls(curve, errors, scatter, blunt, of_before, beside=beside)
+        return cls(curve, errors, scatter, blunt, of_before, turned, beside)
 
     def against(self, sign: float, reference: Floats | float = 0.0) -> NoisyCurve:
         """Return the curve, and what noise makes of it, less a reference, shape (n,), times a sign."""
         longer = None if self.longer is None else sign * (self.longer - reference)
         values = sign * (self.values - reference)
-        return replace(self, values=values, errors=sign * self.errors, longer=longer)
+        turned = None if self.turned is None else sign * self.turned
+        return replace(self, values=values, errors=sign * self.errors, longer=longer, turned=turned)
 
     def beyond(self, level: float) -> NoisyCurve:
         """Return the curve less the `level` that the samples before it had, with what noise makes of the
         difference: the slowest moves both alike."""
         of_level = 0.0 if self.before is None else self.before[:, np.newaxis]
         return replace(self, values=self.values - level, errors=self.errors - of_level)
+
+    @property
+    def is_on_levels(self) -> bool:
+        """Whether the errors are those of a converter's steps alone."""
+        return self.turned is not None and self.beside is None
+
+    @property
+    def _turning(self) -> Floats:
+        """Errors where the curve may turn back within a level of a converter."""
+        return self.errors if self.turned is None else self.errors + self.turned
 
     @cached_property
     def standard(self) -> Floats:
@@ -214,29 +226,38 @@ class NoisyCurve:
         """Return the least value after the greatest, and its standard uncertainty.
 
         Of peaks alike any may be the greatest: what follows each counts by how often the draws make it that.
+        Of several runs of rows on the highest level of a converter, either noise that is less than a step has
+        read that level there and back, and the greatest is in the last, or the curve has turned back within
+        it, and the first holds it: one is as likely as the other.
         """
         top = int(np.argmax(self.values))
-        tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
         after = np.minimum.accumulate(self.values[::-1])[::-1]
+        if self.is_on_levels:
+            tops = np.array([top, rows_of_level(self.values, top)[1]])
+        else:
+            tops = np.argmax(self.values + self.errors, axis=1) if len(self.errors) else np.array([top])
         levels, counts = np.unique(after[tops], return_counts=True)
         begins = [int(np.max(np.extract(after[tops] == level, tops))) for level in levels]
         turned = self.against(-1.0)
-        least, _ = turned.greatest(kinked=True, begin=top)
         found = np.array([turned.greatest(kinked=True, begin=begin) for begin in begins])
+        shares = counts / len(tops)
+        least, _ = turned.greatest(kinked=True, begin=top)
+        if self.is_on_levels:
+            least = float(shares @ found[:, 0])
         square = found[:, 1] ** 2 + (found[:, 0] - least) ** 2
-        return -least, math.sqrt(float(counts @ square) / len(tops))
+        return -least, math.sqrt(float(shares @ square))
 
     def place_of_greatest(self) -> Instant:
         """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))
-        alike = int(np.argmin(np.append(self.values[top:] == self.values[top], False)))
-        if alike > 1:  # on one level of a converter
-            return Instant(*middle_of_level(self.values, top, top + alike - 1))
+        first, last = rows_of_level(self.values, top)
+        if first < last:  # on one level of a converter
+            return Instant(*middle_of_level(self.values, top))
         vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
         # of a draw the parabola stands for a kink too: what both differ by is no noise
         smooth = top + parabola(self.values, top).beside
-        drawn = self.values + self.errors
+        drawn = self.values + self._turning
         tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
         moved = [at + parabola(each, int(at)).beside - smooth for each, at in zip(drawn, tops, strict=True)]
         of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
@@ -256,7 +277,7 @@ class NoisyCurve:
             return parabola(self.values, top)
         found = kink(self.values, top, float(self.standard[top]))
         # levels of a converter, and rows at other times, bend a curve otherwise than its modes
-        if found is None and self.turned is None and self.time_scatter < _EVEN:
+        if found is None and not self.is_on_levels and self.time_scatter < _EVEN:
             found = quartic(self.values, top)
         return found or parabola(self.values, top)
 
@@ -319,10 +340,10 @@ class NoisyCurve:
         found = last_passage(self.values, level, band)
         if found is None:
             return None
-        errors = self.errors if self.turned is None else self.errors + self.turned
+        errors = self._turning if self.is_on_levels else self.errors
         drawn = (last_passage(self.values + each, level, band) for each in errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
-        is_either = self.turned is not None and not np.all(np.isnan(places))
+        is_either = self.is_on_levels and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
         return Passage(most, found.reach, places).instant
 

@@ -259,7 +259,8 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         peak = curve.place_of_greatest()
         standard = math.hypot(peak.standard, _OF_BLUNTED * later)
         peak = Instant(peak.place - _BLUNTED * later, standard)
-        corner = corner_near(step.y_clear, step.y_noise, int(np.argmax(curve.values)))
+        top = int(np.argmax(curve.values))
+        corner = corner_near(step.y_clear, step.y_noise, top, step.converter_step)
         if corner is not None:
             height = corner.height, corner.height_error
             greatest, of_curve = corner.averaged((greatest, of_curve), height)

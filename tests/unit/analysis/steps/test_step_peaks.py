@@ -196,3 +196,28 @@ def test_a_low_crest_beside_a_plateau_has_the_noise_of_its_rows(height: float) -
         found, standard = NoisyCurve(course + noise[0], noise[1:]).greatest(kinked=True)
         relative.append((found - height) / standard)
     assert float(np.mean(np.abs(relative) <= 2.0)) >= 0.9
+
+
+def test_a_lag_that_noise_reads_there_and_back_on_steps_has_no_undershoot_for_certain() -> None:
+    """The noise is a tenth of a step, and shows where the lag passes to the last level."""
+    random = np.random.default_rng(4)
+    late = np.maximum(np.arange(1200.0) - BEFORE, 0.0)
+    relative = []
+    for _ in range(6):
+        y = 1.0 - np.exp(-late / 40.0) + 2e-3 * random.standard_normal(len(late))
+        relative.append(_relative(_measured(np.round(y / 0.02) * 0.02)["undershoot"], 0.0))
+    assert max(relative) < 2.0
+
+
+def test_steps_of_a_converter_make_no_corner_of_a_smooth_peak() -> None:
+    """Noise at rest is a tenth of a step; on the way through the levels the steps are noise."""
+    rows, step = np.arange(-30.0, 31.0), 0.02
+    noise = 1.6e-3 * np.random.default_rng(3).standard_normal(len(rows))
+    missed = []
+    for place in np.linspace(-0.5, 0.5, 5).tolist():
+        course = 1.25 - 0.2 * ((rows - place) / 20.0) ** 2 + 0.04 * ((rows - place) / 20.0) ** 3 + noise
+        found = corner_near(np.round(course / step) * step, Noise(np.array([2.6e-6])), 30, step)
+        missed.append(
+            0.0 if found is None else found.averaged((30.0, 2.0), (found.place, found.place_error))[0] - 30.0
+        )
+    assert max(np.abs(missed)) < 2.0
