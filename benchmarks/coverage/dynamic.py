@@ -113,6 +113,7 @@ class Excited:
     duration_s: float = 2.0
     drift: float = 0.0
     bits: int = 0
+    input_bits: int = 0
 
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -208,6 +209,8 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     y += what.drift * rms * np.linspace(0.0, 1.0, len(y))
     if what.bits:
         y = converted(y, 2.2 * float(np.max(np.abs(y))) / 2**what.bits, random)
+    if what.input_bits:
+        x = converted(x, 2.2 * float(np.max(np.abs(x))) / 2**what.input_bits, random)
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
     yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
@@ -357,6 +360,8 @@ EXCITED: Mapping[str, Excited] = {
     "chirp_coloured": Excited(Lag(100.0), "chirp", 3e-2, colour=0.95),
     "prbs_coloured": Excited(Lag(200.0, 0.35), "prbs", 3e-2, colour=0.95),
     "noise_coloured": Excited(Lag(200.0, 0.7), "noise", 3e-2, colour=0.95),
+    "multisine_input_bits_6": Excited(Lag(300.0), "multisine", 1e-2, input_bits=6),
+    "multisine_input_bits_8": Excited(Lag(300.0, 0.4), "multisine", 1e-2, input_bits=8),
     "chirp_delayed": Excited(Lag(300.0), "chirp", 1e-2, delay_s=4e-4),
     "prbs_delayed": Excited(Lag(300.0), "prbs", 1e-2, delay_s=4e-4),
     **{

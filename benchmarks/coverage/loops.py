@@ -112,6 +112,7 @@ SPEED_LOOPS: Mapping[str, SpeedLoop] = {
     "speed_loop_binary": SpeedLoop("binary"),
     "speed_loop_lines": SpeedLoop("lines"),
     "speed_loop_noise_short": SpeedLoop("noise", noise=2.5e-3, rows=4_000, delay_rows=3),
+    "speed_loop_lines_late": SpeedLoop("lines", noise=0.02, delay_rows=6),
     "speed_loop_sweep_noisy": SpeedLoop("sweep", noise=0.1, delay_rows=2),
 }
 

@@ -385,7 +385,7 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "unity feedback, has the gain 1; read above the frequencies at which noise hides `1 - T`",
         ),
         Quantity(("phase_margin",), "deg", "180 degrees + phase of `L` at `crossover`"),
-        Quantity(("gain_margin",), "dB", "gain of `L` below 1 where its phase first is -180 degrees"),
+        Quantity(("gain_margin",), "dB", "gain of `L` below 1 where its phase first falls to -180 degrees"),
         Quantity(
             ("sensitivity_peak",),
             "",

@@ -33,7 +33,7 @@ _OF_OPEN_LOOP = {
     "phase_margin": ("deg", "180 degrees + phase of the open loop at crossover"),
     "gain_margin": (
         "dB",
-        "gain of the open loop below 1 at the lowest frequency where its phase is -180 degrees",
+        "gain of the open loop below 1 at the lowest frequency where its phase falls to -180 degrees",
     ),
 }
 _SOURCE = "random error of the response, propagated to the open loop"
@@ -98,6 +98,12 @@ def _of_open_loop(
         )
 
     unit, text = _OF_OPEN_LOOP["gain_margin"]
+    if crossover is not None and not reason:
+        first, turns = _branch(frequency_Hz, opened, crossover.frequency_Hz)
+        above = slice(first, None)
+        phase = ResponseCurve.of_phase(
+            frequency_Hz[above], opened[above], spread[above], _SMALL_RAD, turns=turns
+        )
     turned = phase.falls_to(-math.pi)
     reason = _why_not(turned, frequency_Hz, "its phase stays above -180 degrees")
     if turned is None or reason:
@@ -109,6 +115,22 @@ def _of_open_loop(
         yield Measurement(
             "gain_margin", -level_dB, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
         )
+
+
+def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: float) -> tuple[int, int]:
+    """Return from which frequency on, and on which branch, in turns from that of the first of these, the phase
+    of an open loop, shape (n,), counts.
+
+    Of a loop with two integrators it begins near -180 degrees, where 1 - T is small and its error turns the
+    phase to +180 degrees. At the crossover the branch is known: there it is nearest to -90 degrees. From
+    where it is below -180 degrees for the last time before that, it does not fall to this.
+    """
+    phase = np.unwrap(np.angle(opened))
+    at = min(int(np.searchsorted(frequency_Hz, crossover_Hz)), len(phase) - 1)
+    phase -= 2.0 * math.pi * round((float(phase[at]) + 0.5 * math.pi) / (2.0 * math.pi))
+    below = np.flatnonzero(phase[:at] <= -math.pi)
+    first = int(below[-1]) + 1 if len(below) and phase[at] > -math.pi else 0
+    return first, round((float(phase[first]) - float(np.angle(opened[first]))) / (2.0 * math.pi))
 
 
 def _sensitivity_peak(

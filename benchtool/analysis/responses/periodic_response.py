@@ -3,8 +3,8 @@
 The ratio of the means of output and input over the periods (Pintelon and Schoukens, System Identification: A
 Frequency Domain Approach, 2nd ed., 2.4). Noise of the input does not bias it, as it does H1, nor does noise
 that a loop feeds back to the input. A frequency counts as excited only where the input's mean is more than
-what noise leaves there: elsewhere the ratio is that of the noise, in a loop -1 over the controller, and just
-as coherent.
+what noise and the steps of a converter leave there: elsewhere the ratio is that of the noise, in a loop -1
+over the controller, and just as coherent, and that of steps is none of the system.
 """
 
 from __future__ import annotations
@@ -81,14 +81,15 @@ def periodic_response(
             f"{100 * REPEATED:.0f} % is needed: state the period of the stimulus, or none"
         )
     noise_of_x = noise_power(np.sum(np.abs(x_bins - x_mean) ** 2, axis=0) / (periods - 1.0))
-    repeated = periods * power > NO_NOISE * noise_of_x
+    of_x_steps = _of_steps(x[: periods * period], of_x, _FEWEST_LEVELS)
+    repeated = (periods * power > NO_NOISE * noise_of_x) & (power > NO_NOISE * of_x_steps)
     excited, well_excited = (repeated & (lines > share * np.max(lines)) for share in (EXCITED, WELL_EXCITED))
     tiny = np.finfo(np.float64).tiny
     response = np.conj(x_mean) * y_mean / np.maximum(power, tiny)
 
     left = y_bins - _between(response, excited) * x_bins
     noise = noise_power(np.sum(np.abs(left - np.mean(left, axis=0)) ** 2, axis=0) / (periods - 1.0)) / periods
-    noise += np.abs(response) ** 2 * _of_steps(x[: periods * period], of_x, _FEWEST_LEVELS)
+    noise += np.abs(response) ** 2 * of_x_steps
     noise += _of_steps(y[: periods * period], of_y, _FEWEST_OF_OUTPUT)
     noise = np.maximum(noise, _ROUNDING**2 * float(np.mean(np.abs(y_mean) ** 2)))
     error = np.sqrt(0.5 * noise / np.maximum(np.abs(response) ** 2 * power, _NOTHING * noise + tiny))

@@ -97,11 +97,14 @@ class ResponseCurve:
 
     @classmethod
     def of_phase(
-        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_rad: float
+        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_rad: float, *, turns: int = 0
     ) -> ResponseCurve:
-        """Return the phase of a response, without jumps, and its errors, all of shape (n,)."""
+        """Return the phase of a response, without jumps, and its errors, all of shape (n,).
+
+        The first is within half a turn of so many `turns`.
+        """
         reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
-        phase = np.unwrap(np.angle(response))
+        phase = np.unwrap(np.angle(response)) + 2.0 * np.pi * turns
 
         def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
             found, relative = reciprocal.between(at, fine_Hz)

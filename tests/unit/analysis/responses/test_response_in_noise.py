@@ -255,3 +255,18 @@ def test_steps_of_an_output_on_few_levels_are_in_the_errors() -> None:
     _, truth = signal.freqz(numerator, denominator, worN=found.frequency_Hz[low], fs=RATE_HZ)
     off = np.abs(found.response[low] / truth - 1.0) / (np.sqrt(2.0) * found.error[low])
     assert 0.7 < float(np.sqrt(np.mean(off**2))) < 1.4
+
+
+def test_steps_of_an_input_excite_nothing() -> None:
+    """Between the lines of a stimulus an input in steps has power that is the same in all periods."""
+    numerator, denominator = _lag(120.0)
+    x = _lines(6)
+    y = signal.lfilter(numerator, denominator, x)
+    y += 0.01 * float(np.std(y)) * np.random.default_rng(2).standard_normal(len(y))
+    step = 0.1 * float(np.std(x))
+    read = step * np.round(x / step)
+    assert len(np.unique(read)) > 16
+    known = periodic_response(x[PERIOD:], y[PERIOD:], RATE_HZ, PERIOD)
+    found = periodic_response(read[PERIOD:], y[PERIOD:], RATE_HZ, PERIOD)
+    assert np.count_nonzero(found.trusted) > 0.9 * np.count_nonzero(known.trusted)
+    assert not np.any(found.excited & ~known.excited)

@@ -1,0 +1,32 @@
+"""Stability margins from a closed response."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.measurement import Basis
+from benchtool.analysis.responses.margins import margins
+
+
+@pytest.mark.parametrize("turned_deg", [-6.0, 0.0, 6.0])
+def test_a_loop_of_two_integrators_has_the_margin_of_the_phase_that_falls_to_half_a_turn(
+    turned_deg: float,
+) -> None:
+    """At the lowest frequencies the phase of the open loop is near -180 degrees, and an error turns it."""
+    frequency_Hz = np.geomspace(2.0, 1_500.0, 400)
+    s = 2j * math.pi * frequency_Hz
+    omega = 2.0 * math.pi * 100.0
+    opened = omega / s * (1.0 + omega / 5.0 / s) * np.exp(-1e-3 * s)
+    seen = opened * np.exp(1j * math.radians(turned_deg) * (frequency_Hz < 5.0))
+    basis = Basis(samples=1000, sample_rate_Hz=1e4, duration_s=0.1)
+    found = {
+        each.name: each for each in margins(frequency_Hz, seen / (1.0 + seen), np.full(400, 1e-5), basis)
+    }
+    above = frequency_Hz > 50.0
+    at_Hz = float(np.interp(math.pi, -np.unwrap(np.angle(opened))[above], frequency_Hz[above]))
+    truth = -20.0 * math.log10(float(np.interp(at_Hz, frequency_Hz, np.abs(opened))))
+    assert found["gain_margin"].value == pytest.approx(truth, abs=0.02)
+    assert 40.0 < found["phase_margin"].value < 60.0
