@@ -30,7 +30,7 @@ def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class Beside:
-    """A current of 1 to 5 A, and a steady line so many bins beside one of its harmonics, of a share of that.
+    """A current of 1 to 5 A, and steady lines so many bins beside one of its harmonics, of a share of that.
 
     Each record has its own, drawn from the ranges, those of shares and of noise in their logarithm. The speed
     drifts and swings, and the amplitude ramps, by up to so much.
@@ -46,6 +46,7 @@ class Beside:
     drift: float = 0.0
     swing: float = 0.0
     ramp: float = 0.0
+    lines: int = 1
 
 
 def _beside(what: Beside, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -71,10 +72,11 @@ def _beside(what: Beside, random: np.random.Generator) -> Iterator[tuple[Measure
     )
     current = np.asarray(current) * (1.0 + what.ramp * random.uniform(-0.5, 0.5) * (2.0 * time - 1.0))
     order = int(random.choice(what.orders))
-    off = random.choice([-1.0, 1.0]) * random.uniform(*what.bins)
-    share = _log_uniform(random, *what.share) if what.share[1] else 0.0
-    beside = 2 * np.pi * (order * periods + off) * time + random.uniform(0, 2 * np.pi)
-    current = current + share * amplitudes[order] * np.cos(beside)
+    for _ in range(what.lines):
+        off = random.choice([-1.0, 1.0]) * random.uniform(*what.bins)
+        share = _log_uniform(random, *what.share) if what.share[1] else 0.0
+        beside = 2 * np.pi * (order * periods + off) * time + random.uniform(0, 2 * np.pi)
+        current = current + share * amplitudes[order] * np.cos(beside)
     noise = _log_uniform(random, *what.noise) * random.standard_normal(count)
     read_A = size_A * (current + noise)
     track = track_angle(theta / POLE_PAIRS, POLE_PAIRS) if what.angle else track_tone(read_A)
@@ -168,6 +170,8 @@ BESIDE: Mapping[str, Beside] = {
     "near_harmonic_few": replace(_BESIDE, periods=(6.0, 20.0)),
     "near_harmonic_speed": replace(_BESIDE, drift=0.03, swing=0.005),
     "near_harmonic_ramp": replace(_BESIDE, ramp=0.03),
+    "near_harmonic_two": replace(_BESIDE, lines=2),
+    "near_harmonic_two_speed": replace(_BESIDE, lines=2, drift=0.03, swing=0.005),
     "near_fundamental": replace(_BESIDE, orders=(1,), share=(1e-3, 0.05)),
     "near_fundamental_no_angle": replace(_BESIDE, orders=(1,), share=(1e-3, 0.05), angle=False),
     "near_fundamental_alone": replace(_BESIDE, orders=(1,), share=(1e-3, 0.05), harmonics=1e-3, angle=False),

@@ -9,22 +9,27 @@ and in the harmonic itself B / d. What changes the amplitude by Re(B) / d moves 
 2 pi Re(B) over the record, and bends the amplitude in proportion to Re(B) d only: the phase tells that there
 is a line, and the bend how far away it is, and so how large. What a speed moves is no line: all harmonics
 tell it, of which k turns k times as far. Nor is an amplitude that all of them have in common.
+
+A line of constant frequency, as that of another drive or of the mains, is steady along the phase of the
+fundamental where the speed is, and else in time alone: both are tried.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.close_distances import likely_fits
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
-from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel
+from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel, sinusoid
+from benchtool.analysis.spectra.moving_tones import Course, MovingTone
 from benchtool.analysis.spectra.noise import harmonic_noise
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
@@ -45,6 +50,7 @@ _KEPT = 64  # ranges of distances: the first is that of all harmonics, others be
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
 _MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
 _EXACTLY = 1e-3  # of a line: resampling, and what is left of the phase
+_MOVES, _POINTS = 0.01, 512  # periods of a line steady in time, along the phase; places of its course
 
 
 @dataclass(frozen=True)
@@ -60,17 +66,34 @@ class CloseLines:
 
 @dataclass(frozen=True)
 class _Line:
-    """A line at a `place` with a `phasor`, and what it leaves open of the amplitude beside it and of the
-    phase over the record."""
+    """A line at a `place` with a `phasor`, 0 where it is not told, and what it leaves open of the amplitude
+    beside it and of the phase over the record. Of one that is steady in time alone `transformed` are all bins
+    that its analytic signal makes, shape (count,)."""
 
     place: float
     phasor: complex
     standard: float
     turned_rad: float = 0.0
+    transformed: Complex | None = None
+
+    @property
+    def tone(self) -> MovingTone:
+        """The line where it is steady in time."""
+        return MovingTone(self.phasor, self.place, self.place, 0.0)
+
+    def of_bins(self, number: Integers, count: int) -> tuple[Complex, Complex]:
+        """Return what it makes of bins, by its positive and by its negative frequency."""
+        if self.transformed is not None:
+            return self.transformed[number], np.conj(self.transformed[-number])
+        above, below = sinusoid(self.place, number, count)
+        return self.phasor * above, np.conj(self.phasor) * below
 
 
-def close_lines(spectrum: CoherentSpectrum, count: int, orders: int, step: float = 0.0) -> CloseLines:
-    """Return the lines beside harmonics 1 to `orders` of a spectrum of `count` samples in steps of `step`.
+def close_lines(
+    spectrum: CoherentSpectrum, count: int, orders: int, step: float = 0.0, course: Course | None = None
+) -> CloseLines:
+    """Return the lines beside harmonics 1 to `orders` of a spectrum of `count` samples in steps of `step`;
+    these are at `course`, by which lines that are steady in time alone are told.
 
     A line counts by the probability that it is one, by how many standard deviations the phase moves (Bayes
     factor of a line of any size over none), and distances by how well they explain the bins beside. What a
@@ -85,36 +108,53 @@ def close_lines(spectrum: CoherentSpectrum, count: int, orders: int, step: float
     number = periods * np.arange(1, orders + 1)[:, np.newaxis] + np.arange(-reach, reach + 1)
     found: dict[int, _Line] = {}
     folded2 = aliased_quantisation(spectrum, step, orders) ** 2
-    clean = spectrum
+    clean, floor2 = spectrum, np.full(orders, math.inf)
     for _ in range(_ROUNDS):
-        floor2 = 2.0 * harmonic_noise(clean, orders) ** 2 + folded2
-        around = bins[number] - _sinusoids(found).of_bins(number, count)
+        # what was explained once is no noise, though it may turn out to be no single line
+        floor2 = np.minimum(floor2, 2.0 * harmonic_noise(clean, orders) ** 2 + folded2)
+        around = bins[number] - _made(found, number, count)
         stands_out = _stands_out(around, floor2)
         for index in range(orders):
             own = found.pop(index, None)
             if own is None and not stands_out[index]:
                 continue
             if own is not None:  # what it makes of itself by its negative frequency stays out
-                makes = _sinusoids({index: own}).of_bins(number, count)
-                makes[index] = own.phasor * dirichlet_kernel(own.place, number[index], count)
-                around += makes
-            line = _beside(around, floor2, index, number[index], count)
+                above, below = own.of_bins(number, count)
+                below[index] = 0.0
+                around += above + below
+            line = _beside(around, floor2, index, number[index], count, course)
             if line is not None:
                 found[index] = line
-                around -= _sinusoids({index: line}).of_bins(number, count)
+                around -= _made({index: line}, number, count)
             if own is not None or line is not None:
                 stands_out = _stands_out(around, floor2)
         if not found:
             return CloseLines(None, standard, 0.0)
-        left = bins - _sinusoids(found).of_bins(np.arange(len(bins), dtype=np.int64), count)
+        left = bins - _made(found, np.arange(len(bins), dtype=np.int64), count)
         clean = replace(spectrum, phasor=left, amplitude=np.abs(left))
     standard[list(found)] = [each.standard for each in found.values()]
-    return CloseLines(_sinusoids(found), standard, found[0].turned_rad if 0 in found else 0.0)
+    turned_rad = found[0].turned_rad if 0 in found else 0.0
+    told = [each for each in found.values() if each.phasor]
+    return CloseLines(_taken(told) if told else None, standard, turned_rad)
 
 
-def _sinusoids(found: Mapping[int, _Line]) -> Interharmonics:
-    places = np.array([each.place for each in found.values()], dtype=np.float64)
-    return Interharmonics(places, np.array([each.phasor for each in found.values()], dtype=np.complex128))
+def _taken(lines: Sequence[_Line]) -> Interharmonics:
+    steady = [each for each in lines if each.transformed is None]
+    return Interharmonics(
+        np.array([each.place for each in steady], dtype=np.float64),
+        np.array([each.phasor for each in steady], dtype=np.complex128),
+        moving=tuple(each.tone for each in lines if each.transformed is not None),
+    )
+
+
+def _made(found: Mapping[int, _Line], number: Integers, count: int) -> Complex:
+    """Return what lines make of bins."""
+    made = np.zeros(number.shape, dtype=np.complex128)
+    for each in found.values():
+        if each.phasor:
+            above, below = each.of_bins(number, count)
+            made += above + below
+    return made
 
 
 @dataclass(frozen=True)
@@ -168,9 +208,15 @@ def _of_moves(relative2: Floats, reach: int) -> Floats:
     return np.sqrt(0.25 * relative2 / float(weight @ weight))
 
 
-def _beside(around: Complex, floor2: Floats, index: int, number: Integers, count: int) -> _Line | None:
+def _beside(
+    around: Complex, floor2: Floats, index: int, number: Integers, count: int, course: Course | None
+) -> _Line | None:
     """Return the line beside one harmonic, of the bins `around` all, shape (harmonics, 2 reach + 1), with the
-    mean square `floor2` of noise in a bin; None where something else explains what it does."""
+    mean square `floor2` of noise in a bin; None where something else explains what it does.
+
+    Where no line does, steady along the phase or in time, it is not taken out, and all that it might make of
+    the harmonic is uncertain.
+    """
     reach = around.shape[1] // 2
     size2 = float(np.abs(around[index, reach]) ** 2)
     if not (floor2[index] > 0.0 and size2 > 0.0):
@@ -186,17 +232,33 @@ def _beside(around: Complex, floor2: Floats, index: int, number: Integers, count
         return None
     above, below = motions.amplitude + motions.phase, np.conj(motions.amplitude - motions.phase)
     moves = np.concatenate([below[:, ::-1], np.zeros((len(noise2), 1)), above], axis=1)
-    best: _Fit | None = None
-    for left, each2 in zip(
-        around[index] - around[index, reach] * moves, noise2 + size2 * motions.of_amplitude2, strict=True
-    ):
-        fit = _Fit.of(left, number, float(each2), count)
-        if (best is None or fit.explains > best.explains) and not fit.is_ill:
-            best = fit
-    if best is None:
-        return None
+    left, left2 = around[index] - around[index, reach] * moves, noise2 + size2 * motions.of_amplitude2
+    best = _best_fit(left, number, left2, partial(_kernel, reach=reach, count=count))
+    in_time = False
+    if course is not None and _moves_in_time(course, number):
+        in_time_alone = lru_cache(partial(_kernel_in_time, number=number, course=course))
+        other = _best_fit(left, number, left2, in_time_alone)
+        in_time = other.explains > best.explains
+        best = other if in_time else best
     of_move = float(of_moves[-1]) * math.sqrt(share * (1.0 + (1.0 - share) * moved**2))
-    return replace(best.line(share), turned_rad=2.0 * math.pi * of_move)
+    line = replace(best.line(share), turned_rad=2.0 * math.pi * of_move)
+    if not in_time or not line.phasor or course is None:
+        return line
+    return replace(line, transformed=fft.fft(line.tone.at(course)) / count)
+
+
+def _best_fit(
+    left: Complex, number: Integers, noise2: Floats, kernel: Callable[[float, float], _Kernel]
+) -> _Fit:
+    """Return the fit that explains most of bins, shape (motions, 2 reach + 1), of those that noise of these
+    mean squares, shape (motions,), may leave, or else of all."""
+    fits = [_Fit.of(each, number, float(each2), kernel) for each, each2 in zip(left, noise2, strict=True)]
+    return max(fits, key=lambda each: (not each.is_ill, each.explains))
+
+
+def _moves_in_time(course: Course, number: Integers) -> bool:
+    """Return whether what is steady in time moves along the phase, near the bins `number`."""
+    return float(number[-1] * np.max(np.abs(course.passed - course.turned))) > _MOVES
 
 
 def _share(moved: Floats | float) -> Floats:
@@ -265,14 +327,33 @@ class _Kernel:
     beside: Complex
     size2: Floats
 
+    @staticmethod
+    def of(apart: Floats, around: Complex) -> _Kernel:
+        """Return that of lines that make these of the bins, shape (distances, 2 reach + 1)."""
+        reach = around.shape[1] // 2
+        beside = np.conj(np.delete(around, reach, axis=1))
+        return _Kernel(apart, around[:, reach], beside, np.sum(np.abs(beside) ** 2, axis=1))
+
+
+def _kernel_in_time(first: float, last: float, number: Integers, course: Course) -> _Kernel:
+    """Likewise of lines that are steady in time, beside the harmonic in the middle of the bins `number`."""
+    reach, apart = len(number) // 2, _apart(first, last)
+    turned = (np.arange(_POINTS) + 0.5) / _POINTS - 0.5 / len(course.turned)
+    passed = np.interp(turned, course.turned, course.passed)
+    middle = int(number[reach]) * (passed - turned)[:, np.newaxis]
+    bins = np.exp(2j * np.pi * (middle - np.outer(turned, np.arange(-reach, reach + 1)))) / _POINTS
+    return _Kernel.of(apart, np.exp(2j * np.pi * np.outer(apart, passed)) @ bins)
+
+
+def _apart(first: float, last: float) -> Floats:
+    apart = np.linspace(first, last, _DISTANCES)
+    return apart[np.abs(apart) > _ON_HARMONIC]
+
 
 @lru_cache(maxsize=_KEPT)
 def _kernel(first: float, last: float, reach: int, count: int) -> _Kernel:
-    apart = np.linspace(first, last, _DISTANCES)
-    apart = apart[np.abs(apart) > _ON_HARMONIC]
-    around = dirichlet_kernel(apart[:, np.newaxis], np.arange(-reach, reach + 1), count)
-    beside = np.conj(np.delete(around, reach, axis=1))
-    return _Kernel(apart, around[:, reach], beside, np.sum(np.abs(beside) ** 2, axis=1))
+    apart = _apart(first, last)
+    return _Kernel.of(apart, dirichlet_kernel(apart[:, np.newaxis], np.arange(-reach, reach + 1), count))
 
 
 @dataclass(frozen=True)
@@ -294,15 +375,15 @@ class _Fit:
     dof: float
 
     @staticmethod
-    def of(left: Complex, number: Integers, noise2: float, count: int) -> _Fit:
+    def of(left: Complex, number: Integers, noise2: float, kernel: Callable[[float, float], _Kernel]) -> _Fit:
         """Return the fit to bins of these numbers, the harmonic in the middle, both of shape (2 reach + 1,),
-        at the distances that are likely."""
+        at the distances that are likely; `kernel` has lines at distances from a first to a last one."""
         reach = len(number) // 2
         measured = np.concatenate([left[:reach], left[reach + 1 :]])
         power, dof = float(np.sum(np.abs(measured) ** 2)), 2.0 * len(measured) - 3.0
 
         def fitted(first: float, last: float) -> _Fit:
-            lines = _kernel(first, last, reach, count)
+            lines = kernel(first, last)
             phasors = lines.beside @ measured / lines.size2
             rest = np.maximum(0.0, power - np.abs(phasors) ** 2 * lines.size2)
             least = float(np.min(rest))
@@ -329,7 +410,8 @@ class _Fit:
         return self.excess > _most_excess(self.dof)
 
     def line(self, share: float) -> _Line:
-        """Return what there is, on average, of a line whose probability is that `share`."""
+        """Return what there is, on average, of a line whose probability is that `share`; nothing where none
+        explains the bins, and what it may be is uncertain."""
         weight = np.exp(self.likely - np.max(self.likely))
         possible = np.abs(self.makes) < _MOST * abs(self.harmonic)
         if not np.any(possible):
@@ -340,6 +422,9 @@ class _Fit:
         toward = np.exp(-1j * np.angle(self.harmonic - mean))
         square = float(weight @ (((self.makes - mean) * toward).real ** 2 + self.spread**2))
         at = int(np.argmin(np.abs(self.makes - mean)))
+        if self.is_ill:
+            square += (mean * toward).real ** 2
+            return _Line(self.number + float(self.apart[at]), 0j, math.sqrt(share * square))
         phasor = share * complex(self.phasors[at])
         untold2 = share * (1.0 - share) * (mean * toward).real ** 2
         return _Line(self.number + float(self.apart[at]), phasor, math.sqrt(share * square + untold2))

@@ -89,8 +89,8 @@ def between_harmonics(
     """
     steady = interharmonics(spectrum, len(coherent.values))
     rest = coherent if steady is None else without(coherent, steady, course)
-    found = _with_moving(steady, moving_tones(rest, course))
-    moving = moving_tones(coherent, course) if steady is not None else ()
+    found = _with_moving(steady, _apart_from_harmonics(rest, course))
+    moving = _apart_from_harmonics(coherent, course) if steady is not None else ()
     if found is None:
         return None
     if not moving:
@@ -103,6 +103,25 @@ def between_harmonics(
         return float(np.sum(square) - np.sum(square[:: spectrum.periods]))
 
     return _without_modulation(found if other is None else min(found, other, key=left), spectrum)
+
+
+def _apart_from_harmonics(coherent: CoherentSamples, course: Course) -> tuple[MovingTone, ...]:
+    """Return the tones that move, without those of constant frequency which are beside a harmonic on average:
+    it is told by its phase what they make of it, as it is of steady ones."""
+    periods = coherent.periods
+    close = _close_to_harmonics(periods)
+    return tuple(
+        each
+        for each in moving_tones(coherent, course)
+        if abs(each.by_turns - periods * round(each.by_turns / periods)) > close
+        or not each.is_steady_in_time(course)
+    )
+
+
+def _close_to_harmonics(periods: int) -> float:
+    """Return within how many bins of a harmonic sinusoids are told by its phase: of few periods each is near
+    a harmonic."""
+    return max(_CLOSE, min(_BESIDE, _OF_DISTANCE * periods))
 
 
 def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> Interharmonics | None:
@@ -138,11 +157,16 @@ def _with_moving(steady: Interharmonics | None, moving: tuple[MovingTone, ...]) 
 
 
 def together(one: Interharmonics | None, other: Interharmonics | None) -> Interharmonics | None:
-    """Return both; of the other the sinusoids alone."""
+    """Return both; of the other all but a decay."""
     if one is None or other is None:
         return one or other
     places, phasors = ((getattr(one, key), getattr(other, key)) for key in ("places", "phasors"))
-    return replace(one, places=np.concatenate(places), phasors=np.concatenate(phasors))
+    return replace(
+        one,
+        places=np.concatenate(places),
+        phasors=np.concatenate(phasors),
+        moving=one.moving + other.moving,
+    )
 
 
 def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | None:
@@ -184,9 +208,7 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
         start, constant = _fitted_decay(bins - found.of_bins(number, count), periods, count)
         steady = bins - start * _decay(constant, number, count)
         found = _fitted(steady, found.places, periods, count) or found
-    # of few periods each is near a harmonic, of many those beside one are told by its phase
-    close = max(_CLOSE, min(_BESIDE, _OF_DISTANCE * periods))
-    apart = np.abs(found.places - periods * np.round(found.places / periods)) > close
+    apart = np.abs(found.places - periods * np.round(found.places / periods)) > _close_to_harmonics(periods)
     found = Interharmonics(found.places[apart], found.phasors[apart], start, constant)
     return found if len(found.places) or start else None
 

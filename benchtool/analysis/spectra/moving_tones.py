@@ -29,6 +29,7 @@ _EVEN = 0.1  # variance of the power over its mean squared, which is one for noi
 _BEGINS_EVEN = 0.5  # likewise, with the harmonics cut out
 _LEFT = 0.1  # of the power of its bins
 _SAME = 1e-7  # of a column: what two courses differ less by is not told
+_STEADY = 0.1  # periods of it
 _BETTER = 2.0  # rms of what a steady one leaves of the phase, over that of one that moves
 
 
@@ -54,8 +55,14 @@ class MovingTone:
 
     def at(self, course: Course) -> Complexes:
         """Return it as an analytic signal, shape (n,)."""
-        cycles = _columns(course)[:, 1:] @ np.array([self.by_turns, self.by_time, self.swept])
-        return np.asarray(self.phasor * np.exp(2j * np.pi * cycles))
+        return np.asarray(self.phasor * np.exp(2j * np.pi * self._cycles(course)))
+
+    def is_steady_in_time(self, course: Course) -> bool:
+        """Return whether it has a constant frequency."""
+        return float(np.std(self._cycles(course) - self.by_turns * course.passed)) < _STEADY
+
+    def _cycles(self, course: Course) -> Floats:
+        return np.asarray(_columns(course)[:, 1:] @ np.array([self.by_turns, self.by_time, self.swept]))
 
 
 def course_of(turns: Floats, first_row: int, coherent: CoherentSamples) -> Course:

@@ -155,5 +155,5 @@ def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, ste
     course = course_of(turns, FIRST_ROW, coherent)
     others = between_harmonics(coherent, spectrum, course)
     clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
-    close = close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step)
+    close = close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step, course)
     return Separation(samples, track, seen, coherent, spectrum, turns, course, others, close)

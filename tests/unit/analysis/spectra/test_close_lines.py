@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.spectra.close_lines import close_lines
 from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.interharmonics import Interharmonics
@@ -84,6 +84,44 @@ def test_a_harmonic_beside_a_line_is_within_its_uncertainty(order: int) -> None:
         errors.append(abs(error) / size)
     assert within >= 17
     assert np.median(errors) < 0.05
+
+
+def error_along_a_changing_speed(
+    random: np.random.Generator, beside_5: list[tuple[float, float]]
+) -> tuple[float, float]:
+    """Return error and standard uncertainty of harmonic 5, of a speed that drifts by 3 %, with lines of
+    constant frequency beside it, so many bins from its mean frequency and of so much of it."""
+    time = ROW / len(ROW)
+    turns = PERIODS * (time + 0.015 * (time**2 - time))
+    signal = sum(a * np.cos(2 * np.pi * k * turns + random.uniform(0, 2 * np.pi)) for k, a in LINES.items())
+    for bins, share in beside_5:
+        phase = 2 * np.pi * (5 * PERIODS + bins) * time + random.uniform(0, 2 * np.pi)
+        signal = signal + share * LINES[5] * np.cos(phase)
+    signal = np.asarray(signal) + 1e-4 * random.standard_normal(len(ROW))
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+    track = track_angle(2 * np.pi * turns / 4, 4)
+    row = current_spectrum(block, "i_a", track).tables[0].rows[4]
+    return row[2] - LINES[5], row[5]
+
+
+@pytest.mark.parametrize("bins", [0.1, -0.3, 0.6])
+def test_a_line_of_constant_frequency_is_told_while_the_speed_changes(bins: float) -> None:
+    random = np.random.default_rng(11)
+    found = [error_along_a_changing_speed(random, [(bins, 0.2)]) for _ in range(6)]
+    assert all(abs(error) < 3.0 * u for error, u in found)
+    assert np.median([u for _, u in found]) < 0.01 * LINES[5]
+
+
+@pytest.mark.parametrize("lines", [[(0.2, 0.15), (-0.6, 0.2)], [(0.3, 0.2), (1.2, 0.2)]])
+def test_what_no_single_line_explains_is_uncertain(lines: list[tuple[float, float]]) -> None:
+    """Two lines move amplitude and phase of a harmonic as none does by itself."""
+    random = np.random.default_rng(12)
+    for _ in range(12):
+        signal = current(random, 1e-4)
+        for bins, share in lines:
+            signal = signal + beside(5, bins, share * LINES[5], random.uniform(0, 6.28))
+        error, u = error_of(signal, 5)
+        assert abs(error) < 2.5 * u
 
 
 def test_the_frequency_is_that_without_a_line_beside_the_fundamental() -> None:
