@@ -114,6 +114,9 @@ class Excited:
     drift: float = 0.0
     bits: int = 0
     input_bits: int = 0
+    hum: float = (
+        0.0  # amplitude relative to the rms, at one of the lowest multiples of the period's frequency
+    )
 
 
 def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -207,6 +210,9 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[
     rms = float(np.std(y))
     y += what.noise * rms * coloured(random.standard_normal(len(y)), what.colour)
     y += what.drift * rms * np.linspace(0.0, 1.0, len(y))
+    if what.hum and period:
+        turn = 2.0 * math.pi * int(random.integers(5, 150)) / period
+        y += what.hum * rms * np.cos(turn * np.arange(len(y)) + random.uniform(0.0, 2.0 * math.pi))
     if what.bits:
         y = converted(y, 2.2 * float(np.max(np.abs(y))) / 2**what.bits, random)
     if what.input_bits:
@@ -360,6 +366,7 @@ EXCITED: Mapping[str, Excited] = {
     "chirp_coloured": Excited(Lag(100.0), "chirp", 3e-2, colour=0.95),
     "prbs_coloured": Excited(Lag(200.0, 0.35), "prbs", 3e-2, colour=0.95),
     "noise_coloured": Excited(Lag(200.0, 0.7), "noise", 3e-2, colour=0.95),
+    "prbs_hum": Excited(Lag(300.0, 0.4), "prbs", 1e-2, hum=0.03),
     "multisine_input_bits_6": Excited(Lag(300.0), "multisine", 1e-2, input_bits=6),
     "multisine_input_bits_8": Excited(Lag(300.0, 0.4), "multisine", 1e-2, input_bits=8),
     "chirp_delayed": Excited(Lag(300.0), "chirp", 1e-2, delay_s=4e-4),

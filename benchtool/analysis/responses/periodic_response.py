@@ -23,6 +23,7 @@ from benchtool.analysis.responses.estimated_response import (
     coherence_of,
     noise_power,
 )
+from benchtool.analysis.responses.lone_lines import with_lone_lines
 from benchtool.errors import AnalysisError
 
 REPEATED = 0.8
@@ -93,6 +94,8 @@ def periodic_response(
     noise += _of_steps(y[: periods * period], of_y, _FEWEST_OF_OUTPUT)
     noise = np.maximum(noise, _ROUNDING**2 * float(np.mean(np.abs(y_mean) ** 2)))
     error = np.sqrt(0.5 * noise / np.maximum(np.abs(response) ** 2 * power, _NOTHING * noise + tiny))
+    places = np.flatnonzero(excited)
+    error[places] = with_lone_lines(places, response[places], error[places])
     return FrequencyResponse(
         frequency_Hz=sample_rate_Hz / period * np.arange(1.0, len(power) + 1.0),
         response=response,
