@@ -118,8 +118,8 @@ def _of_open_loop(
 
 
 def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: float) -> tuple[int, int]:
-    """Return from which frequency on the phase of an open loop, shape (n,), counts, and by how many turns that
-    of the first is off from within half a turn.
+    """Return from which frequency on the phase of an open loop, shape (n,), counts, and by how many turns
+    that of the first is off from within half a turn.
 
     Of a loop with two integrators it begins near -180 degrees, where 1 - T is small and its error turns the
     phase to +180 degrees. At the crossover the branch is known: there it is nearest to -90 degrees. From
