@@ -170,6 +170,7 @@ def follow(
     angle, if the fundamental then stays closer, and after that the phase of the fundamental itself, without
     what its harmonics do not repeat, by a natural cubic spline through one phase in each period. So a speed
     that swings or drifts, and an angle that slips against the signal, leave the harmonics whole.
+    Where the measured angle departs, and the fundamental does not follow that, the angle errs.
 
     Raises:
         AnalysisError: as `coherent_samples`.
@@ -195,9 +196,11 @@ def follow(
     doubt = np.empty(0)
     if angle.within is not None:  # by what both have in common, such as a slip
         by_angle = _followed(samples, sample_rate_Hz, along(angle.within), name)
+        if by_tone.track is track and by_angle.track.follows_signal:
+            by_angle = by_tone  # the fundamental stays on the track: what does not is an error of the angle
         if by_angle.is_clearly(other_than=by_tone):
             by_tone = by_angle.if_clearly_better_than(by_tone)
-        else:
+        elif by_angle is not by_tone:
             within = within_periods(by_tone.phasors, by_angle.phasors)
             by_tone, doubt = by_angle if within.are_of_rotor else by_tone, within.standard
     seen = replace(
