@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -96,13 +96,17 @@ def switching_frequency(block: Block) -> Measurement:
 
 def _of_frequency(turn_ons: NDArray[np.float64], rate_Hz: float) -> Uncertainty | None:
     """Return the uncertainty of the mean frequency: the count at both ends, and irregular turn-ons; None
-    where these wander over the whole record. Of fewer than 20 samples it is that of the count."""
+    where these wander over the whole record. Of fewer than 20 samples it is that of the count.
+
+    Of each leg, up to one turn-on more or less is counted between two ends at any place of its period. The
+    scatter over parts of the record has that of their ends in it, and counts beyond it.
+    """
     error, per_second = error_of_record(turn_ons), rate_Hz / _LEGS
-    by_count = per_second / (len(turn_ons) * _SQRT3)
-    budget = [Contribution("a count of one either way, rectangular", "B", by_count)]
+    by_count = math.sqrt(_LEGS / 6.0) / len(turn_ons)
+    budget = [Contribution("a count of one of each leg either way, triangular", "B", per_second * by_count)]
     if len(turn_ons) >= _FEWEST_OF_A_SCATTER:
-        scatter = error.line(_SCATTER, per_second)
-        budget.append(scatter)
+        beyond = math.sqrt(max(error.standard**2 - by_count**2, 0.0))  # in this order nan stays nan
+        budget.append(replace(error, standard=beyond).line(_SCATTER, per_second))
     return combined(budget, "; ".join(each.name for each in budget))
 
 
@@ -211,9 +215,9 @@ SWITCHING_FREQUENCY: Final = Analysis(
             ("switching_frequency_mean",),
             "Hz",
             "turn-ons of the three upper switches / (3 x duration)",
-            "one count, `1 / (3 sqrt(3) duration)`, and the scatter over 64 parts with their correlation, or "
-            "the five lowest frequencies where these hold less than a fifth of that, or the density "
-            "continued to zero frequency where that is 1.4 times as much",
+            "one count of each leg, `1 / (3 sqrt(2) duration)`, and what exceeds that of the scatter over 64 "
+            "parts with their correlation, or the five lowest frequencies where these hold less than a fifth "
+            "of that, or the density continued to zero frequency where that is 1.4 times as much",
         ),
     ),
     settings=NoSettings,

@@ -82,7 +82,7 @@ def test_switching_frequency_is_known_to_a_count() -> None:
     found = switching_frequency(block)
     assert found.value == pytest.approx(10e3)
     assert found.uncertainty is not None
-    assert found.uncertainty.standard == pytest.approx(1 / 0.1 / 3 / math.sqrt(3))
+    assert found.uncertainty.standard == pytest.approx(1 / 0.1 / 3 / math.sqrt(2))
 
 
 def test_a_number_of_vectors_that_was_always_the_same_is_not_certain() -> None:
@@ -104,3 +104,13 @@ def test_turn_ons_that_wander_over_the_whole_record_have_no_uncertainty_but_a_re
     assert math.isfinite(found.value)
     assert found.uncertainty is None
     assert "wanders" in found.uncertainty_reason
+
+
+def test_the_scatter_of_regular_turn_ons_holds_the_count_at_both_ends_once() -> None:
+    random, time_s, errors = np.random.default_rng(6), np.arange(10_001) / 10_000.0, []
+    for _ in range(40):
+        count = sum(np.floor(1234.5 * time_s + random.random()) for _ in range(3))
+        found = switching_frequency(Block.from_arrays(10_000.0, {}, switching_count=np.asarray(count)))
+        assert found.uncertainty is not None
+        errors.append((found.value - 1234.5) / found.uncertainty.standard)
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.2
