@@ -16,7 +16,7 @@ from benchtool.analysis.spectra.steadiness import Line, are_sidebands
 
 _PARTS, _FEWEST_CYCLES, _FEWEST_ROWS = 64, 1.0, 6  # of the record; in a part
 _HIDDEN = 1e-5  # bins, by noise: with less, no swing hides
-_SLOW_HALVES, _POWERS = 8, 3  # half cycles in the record of what is no line; of a drift
+_SLOW_HALVES, _POWERS = 8, 3  # half cycles in the record that are taken for a drift; of a polynomial
 _LARGEST_RAD = 0.25  # noise of the phase in a part: with more, a turn may be lost between parts
 
 
