@@ -83,6 +83,7 @@ class Disturbance:
     time_jitter: float = 0.0  # of a sample period, rms
     spikes: float = 0.0  # relative height, some ten in a record
     chirp: tuple[float, float, float] = (0.0, 1.0, 1.0)  # relative amplitude; first and last order
+    turns_Nm: tuple[float, float] = (0.0, 0.0)  # of the torque, once and twice in a revolution
     peaked: float = 0.0  # of the torque: ripple of narrow crests to one side, Nm
 
 
@@ -158,6 +159,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
         RIPPLE_ORDER * theta_true + of_ripple
     )
     torque += COGGING_NM * np.cos(COGGING_ORDER * theta_true + of_cogging)
+    for order, size_Nm in enumerate(what.turns_Nm, 1):
+        torque += size_Nm * np.cos(order * theta_true + 0.7 * order)
     torque += TORQUE_NM * what.noise * coloured(noise_of(what.kind, random, count), what.colour)
     if what.peaked:
         torque += what.peaked * (np.exp(6.0 * np.cos(RIPPLE_ORDER * theta_true) - 6.0) - _MEAN_OF_PEAKS)
@@ -226,6 +229,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             0.5 * RIPPLE_NM**2 * (1.0 + what.ripple_noise[0] ** 2)
             + 0.5 * COGGING_NM**2
             + what.sawtooth[0] ** 2 / 12.0
+            + 0.5 * sum(each**2 for each in what.turns_Nm)
             + (TORQUE_NM * what.noise) ** 2
         ),
         "current_thd_f_subgroups": OF_THE_ENSEMBLE,

@@ -90,7 +90,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         basis = replace(record_basis(record.uniform), gaps=basis.gaps)
     else:
         rows = f", over {len(record.data)} rows, each counting the same whatever the time between them"
-    marks, repeated = periods.repetition()
+    marks, repeated, per_revolution = periods.repetition()
     held = held_rows(record.column(what))
     rated = record.question.torque_rated_Nm if what == "torque" else None
     for each in ripple_of_rows(
@@ -101,6 +101,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         rated=rated,
         marks=marks,
         repeated=repeated,
+        per_revolution=per_revolution,
         what=channel.name,
         no_periods=periods.hidden,
     ):

@@ -58,16 +58,19 @@ class Periods:
         return np.asarray((sums - np.diff(parted)) / np.diff(self.edges))
 
     def places(self, count: int) -> Floats:
-        """Return how far through all of them the middles of so many rows are, from 0 to 1, shape (count,);
-        behind them it is more, at the pace of the last."""
+        """Return how far through all of them so many rows are, from 0 to 1, shape (count,), or their middles
+        where no marks are known; behind them it is more, at the pace of the last."""
         if count <= self.rows[-1]:
             return self._places[:count]
-        behind = np.arange(self.rows[-1] + 0.5, count) - self.rows[-1]
-        last = float(self.rows[-1] - self.rows[-2])
+        edges, first = self.edges, 0.5 if self.marks is None else 0.0
+        behind = np.arange(self.rows[-1] + first, count) - edges[-1]
+        last = float(edges[-1] - edges[-2])
         return np.concatenate([self._places, 1.0 + behind / (last * len(self))])
 
     @cached_property
     def _places(self) -> Floats:
+        if self.marks is not None:
+            return self.turns / len(self)
         rows, periods = np.arange(0.5, self.rows[-1]), np.arange(len(self.rows))
         return np.asarray(np.interp(rows, self.rows, periods / len(self)))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,14 @@ def percentile_range(samples: NDArray[np.float64]) -> float:
 
 def percentile_scatter(samples: Floats, slow: SlowRipple) -> MeanError:
     """Return the standard uncertainty of the percentile range of samples, shape (n,), by what each period
-    contributes to it.
+    contributes to it, and no less than where rows fall in the crests that are beyond: of few crests the same
+    number of rows may be beyond in all, by chance."""
+    error = _by_periods(samples, slow)
+    return replace(error, standard=max(error.standard, _Beyond.of(samples, slow.repeats).of_rows(samples)))
+
+
+def _by_periods(samples: Floats, slow: SlowRipple) -> MeanError:
+    """Return that of samples, shape (n,), by what each period contributes.
 
     A percentile moves by the share of samples beyond it, more than expected, over the density there (Bahadur,
     Ann. Math. Statist. 37 (1966)), within the shares that other records have. Where the size of the ripple
@@ -121,6 +128,13 @@ class _Beyond:
     def moved(self, samples: Floats) -> Floats:
         """Return what each of samples, shape (n,), moves the range by, times n."""
         return np.asarray(self.of_low * (samples < self.low) + self.of_high * (samples > self.high))
+
+    def of_rows(self, samples: Floats) -> float:
+        """Return the standard deviation of the range of samples, shape (n,), by where rows fall in each of
+        the crests that are beyond: how many of them are, is known to within a row at either end."""
+        both = ((samples < self.low, self.of_low), (samples > self.high, self.of_high))
+        crests = [(np.count_nonzero(np.diff(beyond, prepend=False) & beyond), of) for beyond, of in both]
+        return math.sqrt(sum(of**2 * number / 6.0 for number, of in crests)) / len(samples)
 
     def expected(self, order: Floats, slow: SlowRipple, place: Floats, later: float = 0.0) -> Floats:
         """Return what samples are expected to move at places, shape (n,), of a record that begins a share of

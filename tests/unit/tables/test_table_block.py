@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchtool.analysis import analyze_steady_state
 from benchtool.errors import AnalysisError
 from benchtool.profile import load_profile
 from benchtool.results.block_result import analyze
@@ -45,6 +46,25 @@ def test_the_catalogue_gives_the_numbers_of_the_table(tmp_path: Path) -> None:
     assert {"torque_mean", "fundamental_frequency", "current_thd_f"} <= set(same)
     for name in same:
         assert result[name].value == pytest.approx(table[name].value, rel=1e-9), name
+
+
+def test_what_a_revolution_repeats_is_in_a_table_what_it_is_in_a_run(tmp_path: Path) -> None:
+    """Orders below the pole pairs are no scatter of the periods, in either."""
+    time_s = np.arange(900) / 1e3
+    theta_m = 21.0 * time_s
+    torque = 0.65 + 0.05 * np.sin(theta_m) + 1e-3 * np.random.default_rng(2).normal(size=900)
+    columns = [time_s, torque, np.cos(4.0 * theta_m), np.mod(theta_m, 2.0 * math.pi)]
+    path = tmp_path / "eccentric.csv"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header="t,T,I,phi", comments="", fmt="%.9g")
+    question = TableQuestion(path, "t", COLUMNS, pole_pairs=4, torque_rated_Nm=9.55)
+    table = {each.name: each for each in analyze_table(question).measurements}
+    run = analyze_steady_state(table_block(question), pole_pairs=4, torque_rated_Nm=9.55)
+    for name in ("torque_mean", "torque_ripple_rms"):
+        found, other = table[name].uncertainty, run[name].uncertainty
+        assert found is not None
+        assert other is not None
+        assert table[name].value == pytest.approx(run[name].value, rel=1e-9)
+        assert found.standard == pytest.approx(other.standard, rel=1e-6)
 
 
 def test_missing_rows_are_gaps_and_uneven_ones_are_refused(tmp_path: Path) -> None:

@@ -37,3 +37,23 @@ def test_places_go_on_behind_the_last_period_at_its_pace() -> None:
     assert repeats.places(14) == pytest.approx(np.array(expected) / 3.0)
     assert repeats.places(5) == pytest.approx(np.array(expected[:5]) / 3.0)
     assert repeats.places(17)[14:] == pytest.approx(np.array([3.125, 3.375, 3.625]) / 3.0)
+
+
+def test_incomplete_revolutions_move_no_mean_by_where_rows_round() -> None:
+    """Orders 1 and 2 of 3.07 revolutions of four periods each, whose beginnings are between rows."""
+    errors = []
+    for per_period in np.linspace(59.3, 63.1, 12):
+        turned = 2 * np.pi * np.arange(int(12.3 * per_period)) / per_period
+        series = 0.06 * np.cos(turned / 4.0) + 0.03 * np.cos(0.5 * turned + 1.0) + 0.04 * np.cos(6.0 * turned)
+        marks = per_period * np.arange(13.0)
+        rows = np.ceil(marks - 1e-6).astype(np.int64)
+        errors.append(mean_over_periods(series, Periods(rows, per_revolution=4, marks=marks)).mean)
+    assert float(np.max(np.abs(errors))) < 3e-5  # 4e-4 by places of rounded rows
+
+
+def test_rows_are_in_their_periods_where_the_marks_are() -> None:
+    marks = np.array([0.0, 3.5, 8.0])
+    repeats = Periods(np.array([0, 4, 8]), marks=marks)
+    expected = [0.0, 1.0, 2.0, 3.0, 3.5 + 0.5 * 3.5 / 4.5]
+    assert repeats.places(5) == pytest.approx(np.array(expected) / 7.0)
+    assert repeats.places(10)[8:] == pytest.approx(1.0 + np.array([0.0, 1.0]) / 9.0)

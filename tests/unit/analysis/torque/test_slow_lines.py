@@ -117,6 +117,21 @@ def test_a_percentile_knows_the_share_of_a_slow_cycle() -> None:
     assert 0.8 * scatter < stated < 4.0 * scatter
 
 
+def test_a_percentile_that_few_crests_make_is_not_known_from_their_agreement() -> None:
+    """One crest in each of three revolutions has at times as many rows beyond it as the others."""
+    least = np.inf
+    for per_period in np.linspace(60.1, 63.3, 40):
+        turned = 2 * np.pi * np.arange(int(18.3 * per_period)) / per_period + 40.0 * per_period
+        torque = 2.0 + 0.06 * np.cos(turned / 6.0) + 0.03 * np.cos(turned / 3.0 + 1.0) + 0.04 * np.cos(turned)
+        torque += 1e-3 * np.random.default_rng(1).standard_normal(len(turned))
+        block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque)
+        numbers = torque_ripple(block, track=track_angle(turned / 6.0, 6), pole_pairs=6)
+        found = next(each for each in numbers if each.name == "torque_ripple_percentile_range")
+        assert found.uncertainty is not None
+        least = min(least, found.uncertainty.standard)
+    assert least > 2e-4  # of 0.22 Nm; 3e-5 by their scatter
+
+
 @pytest.mark.parametrize("beside", [6.083, 6.23])
 @pytest.mark.parametrize("number", ["torque_ripple_percentile_range", "torque_ripple_pp"])
 def test_numbers_of_a_beat_are_known_as_well_as_its_crests(beside: float, number: str) -> None:
