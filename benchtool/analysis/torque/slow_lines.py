@@ -7,7 +7,7 @@ moves the mean of a record only by their incomplete cycles; what is left over is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import fft
@@ -76,7 +76,7 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     """
     if len(samples) < max(_FEWEST_BLOCKS, 2 * periods) or 2 * periods > _MOST_BLOCKS:
         return None
-    values, at = _aligned(samples, place, periods)
+    values, at, are_blocks = _aligned(samples, place, periods)
     cycles = _of_revolution(values, at, periods, per_revolution)
     for _ in range(_ROUNDS):
         _, rest = _fitted(values, at, cycles, periods)
@@ -84,18 +84,26 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
         if not len(more):
             break
         cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles), periods)
-    return _fitted(values, at, cycles, periods)[0] if len(cycles) else None
+    if not len(cycles):
+        return None
+    found, _ = _fitted(values, at, cycles, periods)
+    # a mean of a block makes a line smaller, and so does a straight line between two samples
+    kept = (
+        np.sinc(cycles / len(values)) if are_blocks else 1.0 - (2 * np.pi * cycles / len(samples)) ** 2 / 12
+    )
+    return replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
 
 
-def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats]:
-    """Return the means of blocks of samples, as many in each period and two at least, and their places."""
+def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats, bool]:
+    """Return values, as many in each period and two at least, and their places: means of blocks of samples,
+    as the third says, or values between two of these, at places all over the distance."""
     blocks = max(BLOCKS, 2 * periods)
     values = means_of_blocks(samples, periods, blocks)
     if len(values) < len(samples) and len(values) % periods == 0:
-        return values, means_of_blocks(place, periods, blocks)
+        return values, means_of_blocks(place, periods, blocks), True
     count = len(values) // periods * periods
     at: Floats = (np.arange(count) + 0.5) / count
-    return np.asarray(np.interp(at, place, samples)), at
+    return np.asarray(np.interp(at, place, samples)), at, False
 
 
 def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[SlowLines, Floats]:

@@ -53,6 +53,18 @@ def test_lines_in_step_with_nothing_are_no_noise_of_the_rms() -> None:
     assert 0.5 < np.sqrt(np.mean(np.square(relative))) < 1.4
 
 
+@pytest.mark.parametrize(("per_period", "periods"), [(61.7, 20), (93.1, 50)])
+def test_lines_are_as_large_as_in_the_samples(per_period: float, periods: int) -> None:
+    """Blocks of 1.1 rows, and straight lines between rows, make one of 74 and 112 rows smaller by some 6e-4."""
+    turned = np.arange(int(per_period * periods)) / per_period
+    line = 0.3 * np.cos(2 * np.pi * 0.83 * turned + 0.4)
+    line += 1e-3 * np.random.default_rng(1).standard_normal(len(turned))
+    found = slow_lines(line, turned / periods, periods)
+    assert found is not None
+    assert found.cycles == pytest.approx([0.83 * periods], rel=1e-3)
+    assert np.hypot(found.cosine, found.sine) == pytest.approx([0.3], rel=3e-4)
+
+
 def test_the_peak_to_peak_scatters_by_the_noise_alone() -> None:
     found = [measured(record(120.0, seed, (1 / POLE_PAIRS, 0.04)))["torque_ripple_pp"] for seed in range(24)]
     stated = [each.uncertainty.standard for each in found if each.uncertainty is not None]
