@@ -26,6 +26,7 @@ class FewTurns:
     noise_Nm: float = 0.02
     rows_per_turn: float = 600.0
     uneven: float = 0.6  # of the way from row to row
+    highest: int = 0  # order of 0.01 Nm
 
 
 def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -33,7 +34,7 @@ def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measur
     turned = np.cumsum(random.uniform(1.0 - what.uneven, 1.0 + what.uneven, count))
     turned *= 2 * np.pi * what.revolutions / turned[-1]
     angle = turned + random.uniform(0, 2 * np.pi)
-    orders = {1: 0.05, 6: 0.1, 15: 0.02}
+    orders = {1: 0.05, 6: 0.1, 15: 0.02} | ({what.highest: 0.01} if what.highest else {})
     torque = MEAN_NM + what.noise_Nm * coloured(random.standard_normal(count), what.pole)
     for order, amplitude in orders.items():
         torque += amplitude * np.cos(order * angle + order)
@@ -44,6 +45,7 @@ def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measur
 
 FEW_TURNS: Mapping[str, FewTurns] = {
     "turns_two_uneven": FewTurns(),
+    "turns_two_high_order": FewTurns(rows_per_turn=250.5, uneven=0.0, highest=125),
     "turns_two_uneven_coloured": FewTurns(pole=0.97),
     "turns_six_few_rows": FewTurns(revolutions=6.3, rows_per_turn=58.7, uneven=0.0),
     "turns_twelve_few_rows": FewTurns(revolutions=12.2, pole=0.9, rows_per_turn=58.7, uneven=0.0),

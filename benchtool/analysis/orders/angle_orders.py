@@ -56,8 +56,8 @@ def fit_orders(
     does not leak one order into another. Every degree of every revolution has the same weight, however long
     the rotor stayed there. Fewer orders are fitted where the coverage cannot separate more: below 0.45 of one
     over the longest arc (in turns) without a sample, a tenth of the steps in which the angle counts, a
-    quarter of the degrees visited in all revolutions, and as long as the least eigenvalue of the normal
-    matrix is above 0.2. Content above the highest fitted order may alias into those below: it is not
+    quarter of the degrees visited in all revolutions, 0.45 of the rows in a revolution where these are fewer
+    than four, and as long as the least eigenvalue of the normal matrix is above 0.2. Content above the highest fitted order may alias into those below: it is not
     filtered.
 
     The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
@@ -80,6 +80,9 @@ def fit_orders(
     weights = 1.0 / visits[place]
     weights /= weights.sum()
     order = min(highest_order, len(visits) // (2 * _CELLS_PER_UNKNOWN), _resolved(coverage))
+    if coverage.revolutions < _FEWEST_REVOLUTIONS:
+        # with orders k and N - k of N rows a revolution a fit takes along all noise that is between them
+        order = min(order, max(1, int(_USABLE_BAND * len(values) / coverage.revolutions)))
     sums, products = _sums(coverage, weights, values, max(order, 1))
     total = sums.sum(axis=0)
     while order > 0 and not _well_conditioned(_normal(total, order)):

@@ -77,3 +77,15 @@ def test_of_hardly_more_than_one_revolution_no_order_has_an_uncertainty() -> Non
     assert found["torque_order_6"].uncertainty is None
     assert "revolutions" in found["torque_order_6"].uncertainty_reason
     assert "revolutions" in found["torque_order_largest"].reason
+
+
+def test_orders_of_two_revolutions_end_where_rows_tell_them_from_their_images() -> None:
+    """The rows of one are between those of the other: orders k and 250.5 - k share the noise of both."""
+    relative = []
+    for seed in range(12):
+        angle = 2 * np.pi / 250.5 * np.arange(540.0)
+        noise = np.random.default_rng(seed).standard_normal(len(angle))
+        fit = fit_orders(angle_coverage(angle), 1.0 + 1e-3 * noise, 200)
+        assert len(fit.coefficient) == 112
+        relative.append(2.0 * np.abs(fit.coefficient[-12:]) / fit.standard[-12:])
+    assert 0.8 < np.sqrt(0.5 * np.mean(np.square(relative))) < 1.5  # 5 at orders 120 to 133
