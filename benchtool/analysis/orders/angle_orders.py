@@ -57,8 +57,8 @@ def fit_orders(
     the rotor stayed there. Fewer orders are fitted where the coverage cannot separate more: below 0.45 of one
     over the longest arc (in turns) without a sample, a tenth of the steps in which the angle counts, a
     quarter of the degrees visited in all revolutions, 0.45 of the rows in a revolution where these are fewer
-    than four, and as long as the least eigenvalue of the normal matrix is above 0.2. Content above the highest fitted order may alias into those below: it is not
-    filtered.
+    than four, and as long as the least eigenvalue of the normal matrix is above 0.2. Content above the
+    highest fitted order may alias into those below: it is not filtered.
 
     The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
     correlation within a revolution (the sandwich formula, clustered by revolution); with fewer it is the

@@ -55,7 +55,7 @@ def test_lines_in_step_with_nothing_are_no_noise_of_the_rms() -> None:
 
 @pytest.mark.parametrize(("per_period", "periods"), [(61.7, 20), (93.1, 50)])
 def test_lines_are_as_large_as_in_the_samples(per_period: float, periods: int) -> None:
-    """Blocks of 1.1 rows, and straight lines between rows, make one of 74 and 112 rows smaller by some 6e-4."""
+    """Blocks of 1.1 rows, and lines between rows, make one of 74 and 112 rows smaller by some 6e-4."""
     turned = np.arange(int(per_period * periods)) / per_period
     line = 0.3 * np.cos(2 * np.pi * 0.83 * turned + 0.4)
     line += 1e-3 * np.random.default_rng(1).standard_normal(len(turned))
