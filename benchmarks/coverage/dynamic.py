@@ -367,6 +367,7 @@ EXCITED: Mapping[str, Excited] = {
     "prbs_coloured": Excited(Lag(200.0, 0.35), "prbs", 3e-2, colour=0.95),
     "noise_coloured": Excited(Lag(200.0, 0.7), "noise", 3e-2, colour=0.95),
     "prbs_hum": Excited(Lag(300.0, 0.4), "prbs", 1e-2, hum=0.03),
+    "chirp_input_bits_5": Excited(Lag(300.0), "chirp", 1e-2, input_bits=5),
     "multisine_input_bits_6": Excited(Lag(300.0), "multisine", 1e-2, input_bits=6),
     "multisine_input_bits_8": Excited(Lag(300.0, 0.4), "multisine", 1e-2, input_bits=8),
     "chirp_delayed": Excited(Lag(300.0), "chirp", 1e-2, delay_s=4e-4),

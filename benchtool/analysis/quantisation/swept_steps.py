@@ -38,10 +38,24 @@ def errors_of_steps(r: Floats, y: Floats, gain: Floats) -> tuple[Floats, Floats]
     if not step > 0.0 or np.ptp(y) < _FEWEST_LEVELS * step:
         return np.zeros(len(gain)), np.ones(len(gain))
     amplitude = np.maximum(0.5 * float(np.ptp(r)) * gain / step, _LEAST_AMPLITUDE)
-    bins = np.abs(fft.rfft(y)[round(_HIGHEST * 0.5 * len(y)) :]) ** 2
-    noise = math.sqrt(float(np.median(bins)) / math.log(2.0) / len(y))
-    left = share_left(noise_beside(noise**2, step), step)
     # a step of the amplitude further the error is the same again, half a step further the opposite
     apart = np.abs(np.gradient(amplitude)) if len(amplitude) > 1 else np.ones(1)
     alike = np.clip(0.5 / np.maximum(apart, np.finfo(np.float64).tiny), 1.0, _MOST)
-    return left * relative_error(amplitude), alike
+    return _left(y, step) * relative_error(amplitude), alike
+
+
+def error_of_input_steps(x: Floats) -> float:
+    """Return the standard uncertainty of the gain to an input that sweeps, relative to it: of an amplitude
+    that is the same at all frequencies the error is, too. Zero of an input without steps."""
+    step = counting_step(x)
+    if not step > 0.0 or np.ptp(x) < _FEWEST_LEVELS * step:
+        return 0.0
+    return _left(x, step) * float(relative_error(0.5 * float(np.ptp(x)) / step))
+
+
+def _left(samples: Floats, step: float) -> float:
+    """Return how much of the errors of steps is left in noise of the density above the frequencies of a
+    sweep."""
+    bins = np.abs(fft.rfft(samples)[round(_HIGHEST * 0.5 * len(samples)) :]) ** 2
+    noise = math.sqrt(float(np.median(bins)) / math.log(2.0) / len(samples))
+    return share_left(noise_beside(noise**2, step), step)

@@ -239,7 +239,7 @@ def _resonance(
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
         reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
-    elif stands_out and int(np.argmax(relative.smooth)) == 0:
+    elif stands_out and int(np.argmax(relative.smooth)) == 0 and peak_dB < relative.smooth[0] + standard_dB:
         reason = f"the gain falls from {relative.frequency_Hz[0]:.4g} Hz on, the lowest frequency used"
     elif not has_fallen and not stands_out:
         reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"

@@ -36,6 +36,7 @@ NEPER_DB = 20.0 / math.log(10.0)
 
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
 _LINE = 3.0  # times the noise of its neighbours: a disturbance at one frequency
+_OF_GOING_ON, _ROUNDING = 0.5, 1e-9
 _NOTHING_KNOWN = 1e9  # relative error
 _EVEN = 0.05  # relative error of a mean of neighbouring gains that picks none by chance
 
@@ -143,8 +144,27 @@ class FrequencyResponse:
     def phase_rad(self) -> NDArray[np.float64]:
         """Phase without jumps between trusted frequencies, the first within +-pi; nan at the others."""
         phase = np.full(len(self.response), math.nan)
-        phase[self.trusted] = np.unwrap(np.angle(self.response[self.trusted]))
+        phase[self.trusted] = without_jumps(self.frequency_Hz[self.trusted], self.response[self.trusted])
         return phase
+
+
+def without_jumps(frequency_Hz: NDArray[np.float64], response: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return the phase of a response, shape (n,), without jumps; the first is within +-pi.
+
+    Between two frequencies it changes by what is nearest to half of how it went on over as far below them: of
+    a delay between few frequencies it may change by more than half a turn, and at a pole it goes on no more.
+    """
+    phase = np.angle(response)
+    # the next frequency is as far above each as that which its slope is taken from is below it
+    apart = np.append(np.diff(frequency_Hz), 0.0)
+    below = np.searchsorted(frequency_Hz, frequency_Hz - apart * (1.0 - _ROUNDING), side="right") - 1
+    below = np.where(below == np.arange(len(phase)), np.maximum(below - 1, 0), np.maximum(below, 0))
+    for at in range(len(phase) - 1):
+        far, from_Hz = below[at], frequency_Hz[at] - frequency_Hz[below[at]]
+        slope = (phase[at] - phase[far]) / from_Hz if from_Hz > 0.0 else 0.0
+        expected = phase[at] + _OF_GOING_ON * slope * apart[at]
+        phase[at + 1] -= 2.0 * math.pi * round((phase[at + 1] - expected) / (2.0 * math.pi))
+    return phase
 
 
 def decibels(ratio: NDArray[np.complex128] | NDArray[np.float64]) -> NDArray[np.float64]:

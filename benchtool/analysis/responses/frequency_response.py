@@ -24,7 +24,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.output_steps import errors_of_output_steps
-from benchtool.analysis.quantisation.swept_steps import errors_of_steps
+from benchtool.analysis.quantisation.swept_steps import error_of_input_steps, errors_of_steps
 from benchtool.analysis.responses.drift_between_rests import drift_between_rests
 from benchtool.analysis.responses.estimated_response import (
     EXCITED,
@@ -260,6 +260,7 @@ def local_response(
     in_common = 0.0
     if noise is not None:  # it sweeps
         of_steps, alike = errors_of_steps(r, y, np.abs(of_r.response))
+        in_common = error_of_input_steps(x) if stimulus is None else 0.0
     else:
         of_steps, alike, in_common = errors_of_output_steps(r, y, of_r.response, at)
     error, shared = _together(found.error, shared, of_steps, alike)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels
+from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels, without_jumps
 from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
 from benchtool.analysis.responses.response_curve import Point, ResponseCurve
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
@@ -125,7 +125,7 @@ def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: 
     phase to +180 degrees. At the crossover the branch is known: there it is nearest to -90 degrees. From
     where it is below -180 degrees for the last time before that, it does not fall to this.
     """
-    phase = np.unwrap(np.angle(opened))
+    phase = without_jumps(frequency_Hz, opened)
     at = min(int(np.searchsorted(frequency_Hz, crossover_Hz)), len(phase) - 1)
     phase -= 2.0 * math.pi * round((float(phase[at]) + 0.5 * math.pi) / (2.0 * math.pi))
     below = np.flatnonzero(phase[:at] <= -math.pi)

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels
+from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels, without_jumps
 from benchtool.analysis.responses.local_parabola import LocalParabola
 from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
@@ -32,6 +32,7 @@ _LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its rea
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
 _CLEAR = 3.0  # standard uncertainties of a smooth value beyond which it is off a level
 _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
+_FAR = 0.04  # of the frequency, from the neighbour below to that above
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
 _FINE, _FINER = 100, 2  # places between two frequencies, and between two of these
@@ -104,7 +105,7 @@ class ResponseCurve:
         The first is within half a turn of so many `turns`.
         """
         reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
-        phase = np.unwrap(np.angle(response)) + 2.0 * np.pi * turns
+        phase = without_jumps(frequency_Hz, response) + 2.0 * np.pi * turns
 
         def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
             found, relative = reciprocal.between(at, fine_Hz)
@@ -200,7 +201,30 @@ class ResponseCurve:
 
     def resonance(self) -> tuple[float, float]:
         """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;
-        without one, `greatest`.
+        without one, `greatest`. Between few frequencies a lower crest may be the top of a higher resonance.
+        """
+        found, standard = self._resonance()
+        if self.between is None:
+            return found, standard
+        for crest in self._crests():
+            height, height_error = self._greatest_between(crest, self.between)
+            if height > found:
+                found, standard = height, height_error
+            else:
+                standard = max(standard, height + height_error - found)
+        return found, standard
+
+    def _crests(self) -> list[int]:
+        """Return where values clearly above both of their neighbours, these far from them, are not the
+        greatest."""
+        values, error = self.values, _CLEAR * self.error
+        above = values[1:-1] - error[1:-1] > np.maximum(values[:-2] + error[:-2], values[2:] + error[2:])
+        is_far = self.frequency_Hz[2:] - self.frequency_Hz[:-2] > _FAR * self.frequency_Hz[1:-1]
+        top = int(np.argmax(self.smooth))
+        return [at for at in (1 + np.flatnonzero(above & is_far)).tolist() if at != top]
+
+    def _resonance(self) -> tuple[float, float]:
+        """Return the greatest of values in dB and its standard uncertainty, by the resonance about it.
 
         The inverse square of the gain of two poles is a parabola of the square of frequency: its least value,
         of as many neighbours as it describes within their errors, shortened. Of all of them none is picked

@@ -83,22 +83,18 @@ def _lower(frequency_Hz: Floats, upper_Hz: float) -> float:
 def _slope(frequency_Hz: Floats, gain: Floats, phase: Floats, error: Floats, upper_Hz: float) -> _Slope:
     """Return the slope of the line of the phase, at all frequencies alike, from a tenth of a frequency up to
     it."""
-    from scipy import interpolate  # draws in scipy.stats, which takes longer than all else here
-
     lower_Hz = _lower(frequency_Hz, upper_Hz)
     first, last = np.searchsorted(frequency_Hz, [lower_Hz, upper_Hz]).tolist()
     near = slice(max(0, first - _BESIDE), last + _BESIDE)
     known_Hz, gain, phase, error = frequency_Hz[near], gain[near], phase[near], error[near]
     places = max(_FINE, _FINER * len(known_Hz))
+    turned = float(np.polyfit(known_Hz - lower_Hz, phase, 1)[0])
     fine_Hz = lower_Hz + (upper_Hz - lower_Hz) / places * (np.arange(places) + 0.5)
     across = fine_Hz - np.mean(fine_Hz)
     weights = across / float(across @ across)
-    # about a resonance the reciprocal of the response is a parabola, whatever its phase does
-    reciprocal = np.stack([np.cos(phase) / gain, -np.sin(phase) / gain], axis=1)
-    along = np.interp(fine_Hz, known_Hz, phase)
-    smooth, other = (
-        float(weights @ (along + _turned(each(known_Hz, reciprocal)(fine_Hz), along)))
-        for each in (interpolate.CubicSpline, interpolate.Akima1DInterpolator)
+    smooth, other = min(
+        (_by_reciprocals(known_Hz, gain, phase, fine_Hz, weights, less) for less in (0.0, turned)),
+        key=lambda both: abs(both[1] - both[0]),
     )
     # what each of the phases counts, between neighbours along straight lines
     after = np.clip(np.searchsorted(known_Hz, fine_Hz), 1, len(known_Hz) - 1)
@@ -106,6 +102,27 @@ def _slope(frequency_Hz: Floats, gain: Floats, phase: Floats, error: Floats, upp
     counts = np.bincount(after - 1, weights * (1.0 - share), len(known_Hz))
     counts += np.bincount(after, weights * share, len(known_Hz))
     return _Slope(smooth, float(np.linalg.norm(counts * error)), other - smooth)
+
+
+def _by_reciprocals(
+    known_Hz: Floats, gain: Floats, phase: Floats, fine_Hz: Floats, weights: Floats, turned: float
+) -> tuple[float, float]:
+    """Return the slope of the phase, as the sum of the phases at finer frequencies times their weights, by
+    two interpolations of the reciprocal of the response.
+
+    About a resonance that is a parabola, whatever its phase does. A delay turns it between few frequencies:
+    so much phase per Hz is taken off before.
+    """
+    from scipy import interpolate  # draws in scipy.stats, which takes longer than all else here
+
+    phase = phase - turned * known_Hz
+    reciprocal = np.stack([np.cos(phase) / gain, -np.sin(phase) / gain], axis=1)
+    along = np.interp(fine_Hz, known_Hz, phase)
+    one, other = (
+        turned + float(weights @ (along + _turned(each(known_Hz, reciprocal)(fine_Hz), along)))
+        for each in (interpolate.CubicSpline, interpolate.Akima1DInterpolator)
+    )
+    return one, other
 
 
 def _turned(reciprocal: Floats, along: Floats) -> Floats:

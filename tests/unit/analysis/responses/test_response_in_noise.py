@@ -11,6 +11,8 @@ from scipy import signal
 
 from benchtool.analysis import FrequencyResponse, Measurement, analyze_response
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.quantisation.swept_steps import error_of_input_steps
+from benchtool.analysis.responses.estimated_response import without_jumps
 from benchtool.analysis.responses.frequency_response import frequency_response
 from benchtool.analysis.responses.gain_at_rest import gain_at_rest
 from benchtool.analysis.responses.margins import margins
@@ -270,3 +272,49 @@ def test_steps_of_an_input_excite_nothing() -> None:
     found = periodic_response(read[PERIOD:], y[PERIOD:], RATE_HZ, PERIOD)
     assert np.count_nonzero(found.trusted) > 0.9 * np.count_nonzero(known.trusted)
     assert not np.any(found.excited & ~known.excited)
+
+
+@pytest.mark.parametrize("delay_s", [3e-4, 8e-4, 1.2e-3])
+def test_a_delay_between_few_frequencies_has_no_jumps(delay_s: float) -> None:
+    """At the highest of them it turns by nearly a whole turn from one to the next."""
+    frequency_Hz = np.geomspace(1.0, 3000.0, 26)
+    phase = -2.0 * np.pi * frequency_Hz * delay_s - 0.5 * np.pi
+    np.testing.assert_allclose(without_jumps(frequency_Hz, np.exp(1j * phase)), phase, atol=1e-9)
+
+
+def test_a_sharp_resonance_has_half_a_turn_and_no_jumps() -> None:
+    frequency_Hz = 2.5 * np.arange(1.0, 200.0)
+    random = np.random.default_rng(1)
+    for centre_Hz in np.linspace(200.0, 202.5, 20).tolist():
+        s = 1j * frequency_Hz / centre_Hz
+        noise = 0.05 * random.standard_normal((2, len(s)))
+        phase = without_jumps(frequency_Hz, (1.0 + noise[0] + 1j * noise[1]) / (1.0 + 2e-3 * s + s**2))
+        assert abs(phase[-1] + np.pi) < 0.5
+
+
+def test_a_crest_between_few_frequencies_may_be_the_top_of_a_resonance() -> None:
+    """It is below the gain at rest where it was played, and above it between."""
+    frequency_Hz = np.unique(np.geomspace(1.0, 600.0, 36).round()) * 2.5
+    s, lowered = 2j * np.pi * frequency_Hz, 2.0 * np.pi * 160.0
+    one, two = (1.0 + 0.1 * s / each + (s / each) ** 2 for each in (lowered, 1.35 * lowered))
+    response = one / two / (1.0 + s / (2.0 * np.pi * 48.0))
+    curve = ResponseCurve.of_gain(frequency_Hz, response, np.full(len(s), 1e-3), 3.0)
+    fine = 2j * np.pi * np.linspace(150.0, 300.0, 20_000)
+    one, two = (1.0 + 0.1 * fine / each + (fine / each) ** 2 for each in (lowered, 1.35 * lowered))
+    peak_dB = 20.0 * np.log10(np.max(np.abs(one / two / (1.0 + fine / (2.0 * np.pi * 48.0)))))
+    crest_dB = np.max(20.0 * np.log10(np.abs(response))[frequency_Hz > 150.0])
+    assert crest_dB < 0.0 < peak_dB
+    found_dB, standard_dB = curve.resonance()
+    assert abs(found_dB - peak_dB) < 2.0 * standard_dB
+
+
+def test_steps_of_an_input_that_sweeps_are_in_the_gain() -> None:
+    rows = np.arange(20_000.0)
+    x = signal.chirp(rows / 1e4, 5.0, 2.0, 2000.0, "logarithmic")
+    off = []
+    for amplitude in np.linspace(12.0, 13.0, 21).tolist():
+        read = np.round(amplitude * x) / amplitude
+        off.append(float(read @ x) / float(x @ x) - 1.0)
+    stated = error_of_input_steps(np.round(12.5 * x) / 12.5)
+    assert 0.5 < float(np.sqrt(np.mean(np.square(off)))) / stated < 1.5
+    assert error_of_input_steps(x) == 0.0
