@@ -14,10 +14,12 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise_beside
+from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
 
-_DRAWS = 12
+_DRAWS, _SEED = 12, 20_261_128
+_AT_REST = 0.5  # of the levels between the least and the greatest, never read
+_LEAST_POWER = 1e-9  # of the greatest
 _FEWEST_LEVELS = 4
 _PARTS = 2  # even and odd bins: what is not alike is independent in them
 _REACH = 16  # bins of a part to either side, over which an error that is alike adds up
@@ -59,6 +61,38 @@ def errors_of_output_steps(
         error = error_of_steps(made * (1.0 + part * step / size), step, noise, level)
         if error is None:
             return none
+        gains.append(float(error @ made) / float(made @ made))
+        along = np.conj(x_bins) * fft.rfft(error)[1:]
+        of_error = [_around(along[part::_PARTS]) / power[part] for part in range(_PARTS)]
+        errors.append([each[np.minimum(at // _PARTS, len(each) - 1)] / response for each in of_error])
+    return *_in_common(np.array(errors)), float(np.sqrt(np.mean(np.square(gains))))
+
+
+def errors_of_equal_readings(
+    x: Floats, y: Floats, variance: float, response: Complex, at: NDArray[np.int64]
+) -> tuple[Floats, Floats, float]:
+    """Return what `errors_of_output_steps` does, of one of several periods of `y` that the response follows
+    with the errors of its steps: of rows with one reading these are the same, as likely anywhere in a step.
+
+    So they are where the output rests at few values. An output that moves is anywhere within its levels, and
+    between its least and its greatest it is read on nearly all of them: where half of them are never read it
+    rests, and of fewer what is in common has as much less power. None of an input of few lines, and
+    `variance` is that between periods.
+    """
+    step, none = counting_step(y), (np.zeros(len(at)), np.ones(len(at)), 0.0)
+    if not step > 0.0 or np.ptp(y) < _FEWEST_LEVELS * step:
+        return none
+    levels = np.round((y - np.min(y)) / step).astype(np.int64)
+    never = 1.0 - len(np.unique(levels)) / (int(np.max(levels)) + 1.0)
+    left = math.sqrt(min(1.0, never / _AT_REST)) * share_left(noise_beside(variance, step), step)
+    random = np.random.default_rng(_SEED)
+    drawn = left * step * random.uniform(-0.5, 0.5, (_DRAWS, int(np.max(levels)) + 1))[:, levels]
+    x_bins, made = fft.rfft(x)[1:], y - np.mean(y)
+    power = [_around(np.abs(x_bins[part::_PARTS]) ** 2) for part in range(_PARTS)]
+    if min(float(np.min(each)) for each in power) < _LEAST_POWER * max(float(np.max(each)) for each in power):
+        return none
+    errors, gains = [], []
+    for error in drawn:
         gains.append(float(error @ made) / float(made @ made))
         along = np.conj(x_bins) * fft.rfft(error)[1:]
         of_error = [_around(along[part::_PARTS]) / power[part] for part in range(_PARTS)]

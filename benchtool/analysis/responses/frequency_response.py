@@ -23,7 +23,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation.output_steps import errors_of_output_steps
+from benchtool.analysis.quantisation.output_steps import errors_of_equal_readings, errors_of_output_steps
 from benchtool.analysis.quantisation.swept_steps import error_of_input_steps, errors_of_steps
 from benchtool.analysis.responses.drift_between_rests import drift_between_rests
 from benchtool.analysis.responses.estimated_response import (
@@ -104,7 +104,7 @@ def frequency_response(
                 f"take both from one capture"
             )
     if period is not None and len(x) >= FEWEST_PERIODS * period:
-        found = periodic_response(x, y, sample_rate_Hz, period, stimulus)
+        found = _with_output_steps(periodic_response(x, y, sample_rate_Hz, period, stimulus), x, y, period)
         used, excited = np.count_nonzero(found.trusted), np.count_nonzero(found.well_excited)
         if len(x) >= ENOUGH_PERIODS * period or used >= _ENOUGH_TRUSTED * excited:
             return found
@@ -112,8 +112,30 @@ def frequency_response(
         if is_dense(r):
             return local_response(x, y, sample_rate_Hz, stimulus)
         if (own := period_of(r)) is not None:
-            return periodic_response(x, y, sample_rate_Hz, own, stimulus)
+            return _with_output_steps(periodic_response(x, y, sample_rate_Hz, own, stimulus), x, y, own)
     return averaged_response(x, y, sample_rate_Hz, segment, stimulus)
+
+
+def _with_output_steps(
+    found: FrequencyResponse, x: NDArray[np.float64], y: NDArray[np.float64], period: int
+) -> FrequencyResponse:
+    """Return a response over periods with what the steps of a converter do alike at its frequencies: an
+    output that rests at few values, as after the bits of a sequence, is read there by the same error each
+    time."""
+    at = np.flatnonzero(found.excited & (found.gain > 0.0))
+    if len(at) < 2 * REACH:
+        return found
+    periods = y[: len(y) // period * period].reshape(-1, period)
+    variance = float(np.mean(np.var(periods, axis=0, ddof=1)))
+    of_steps, alike, in_common = errors_of_equal_readings(
+        x[:period], periods[0], variance, found.response[at], at
+    )
+    if not in_common > 0.0:
+        return found
+    error, shared = found.error.copy(), found.shared.copy()
+    error[at], shared[at] = _together(error[at], shared[at], of_steps, alike)
+    coherence = coherence_of(error, found.averages)
+    return replace(found, error=error, shared=shared, coherence=coherence, at_rest=in_common)
 
 
 def averaged_response(

@@ -89,9 +89,9 @@ def _slope(frequency_Hz: Floats, gain: Floats, phase: Floats, error: Floats, upp
     known_Hz, gain, phase, error = frequency_Hz[near], gain[near], phase[near], error[near]
     places = max(_FINE, _FINER * len(known_Hz))
     turned = float(np.polyfit(known_Hz - lower_Hz, phase, 1)[0])
-    fine_Hz = lower_Hz + (upper_Hz - lower_Hz) / places * (np.arange(places) + 0.5)
+    fine_Hz: Floats = lower_Hz + (upper_Hz - lower_Hz) / places * (np.arange(places, dtype=np.float64) + 0.5)
     across = fine_Hz - np.mean(fine_Hz)
-    weights = across / float(across @ across)
+    weights = np.asarray(across / float(across @ across), dtype=np.float64)
     smooth, other = min(
         (_by_reciprocals(known_Hz, gain, phase, fine_Hz, weights, less) for less in (0.0, turned)),
         key=lambda both: abs(both[1] - both[0]),

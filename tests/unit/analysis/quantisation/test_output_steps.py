@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from benchtool.analysis.quantisation.output_steps import errors_of_output_steps
+from benchtool.analysis.quantisation.output_steps import errors_of_equal_readings, errors_of_output_steps
 
 ROWS, REACH = 16_000, 16
 
@@ -40,3 +40,33 @@ def test_an_output_without_steps_has_none() -> None:
     assert not np.any(error)
     assert np.all(alike == 1.0)
     assert gain == 0.0
+
+
+def test_readings_that_an_output_rests_at_have_one_error_each() -> None:
+    """A fast lag after the bits of a sequence rests at few values; a slow one moves through all levels."""
+    bits, _ = signal.max_len_seq(10)
+    x = np.tile(np.repeat(2.0 * bits - 1.0, 2), 2)
+    period = len(x) // 2
+    at = np.arange(period // 2 - 16)
+    found, actual = [], []
+    for left, is_fast in ((0.47, True), (0.995, False)):
+        y = np.asarray(signal.lfilter([1.0 - left], [1.0, -left], x))[period:]
+        step = float(np.ptp(y)) / 230.0
+        later = np.exp(-2j * np.pi * (at + 1) / period)
+        response = (1.0 - left) / (1.0 - left * later)
+        steps = step * np.linspace(0.97, 1.03, 41)
+        read = [each * np.round(y / each + 0.3) - 0.3 * each for each in steps]
+        errors = [float((each - y) @ (y - np.mean(y))) / float(np.var(y)) / len(y) for each in read]
+        _, _, gain = errors_of_equal_readings(x[:period], read[7], 0.0, response, at)
+        found.append(gain)
+        actual.append(float(np.sqrt(np.mean(np.square(errors)))))
+        assert is_fast == (gain > 3e-4)
+    assert 0.5 < found[0] / actual[0] < 2.0
+
+
+def test_readings_of_few_lines_have_nothing_in_common() -> None:
+    period = 2000
+    x = np.cos(2.0 * np.pi * 3.0 * np.arange(period) / period)
+    y = np.round(x / 0.01) * 0.01
+    response = np.ones(1, dtype=np.complex128)
+    assert errors_of_equal_readings(x, y, 0.0, response, np.array([2]))[2] == 0.0

@@ -20,7 +20,7 @@ def _noisy(response: NDArray[np.complex128], seed: int) -> NDArray[np.complex128
 def test_a_line_is_in_the_error_of_its_frequency_and_of_no_other(seed: int) -> None:
     places, error = np.arange(COUNT), np.full(COUNT, ERROR)
     s = 1j * places / 60.0
-    seen = _noisy(1.0 / (1.0 + 0.3 * s + s**2), seed)
+    seen = _noisy(np.asarray(1.0 / (1.0 + 0.3 * s + s**2), dtype=np.complex128), seed)
     at = 70 + seed
     seen[at] *= 1.1
     found = with_lone_lines(places, seen, error)
