@@ -45,6 +45,7 @@ def test_an_output_without_steps_has_none() -> None:
 def test_readings_that_an_output_rests_at_have_one_error_each() -> None:
     """A fast lag after the bits of a sequence rests at few values; a slow one moves through all levels."""
     bits, _ = signal.max_len_seq(10)
+    random = np.random.default_rng(6)
     x = np.tile(np.repeat(2.0 * bits - 1.0, 2), 2)
     period = len(x) // 2
     at = np.arange(period // 2 - 16)
@@ -54,14 +55,14 @@ def test_readings_that_an_output_rests_at_have_one_error_each() -> None:
         step = float(np.ptp(y)) / 230.0
         later = np.exp(-2j * np.pi * (at + 1) / period)
         response = (1.0 - left) / (1.0 - left * later)
-        steps = step * np.linspace(0.97, 1.03, 41)
-        read = [each * np.round(y / each + 0.3) - 0.3 * each for each in steps]
+        drawn = random.uniform([0.9, 0.0], [1.1, 1.0], (200, 2))
+        read = [step * size * (np.round(y / (step * size) + part) - part) for size, part in drawn]
         errors = [float((each - y) @ (y - np.mean(y))) / float(np.var(y)) / len(y) for each in read]
         _, _, gain = errors_of_equal_readings(x[:period], read[7], 0.0, response, at)
         found.append(gain)
         actual.append(float(np.sqrt(np.mean(np.square(errors)))))
         assert is_fast == (gain > 3e-4)
-    assert 0.5 < found[0] / actual[0] < 2.0
+    assert 0.7 < found[0] / actual[0] < 2.2
 
 
 def test_readings_of_few_lines_have_nothing_in_common() -> None:
