@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
+from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.flux.radius_errors import (
     FINE,
     error_of_mean,
@@ -261,10 +262,22 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     )
     # about the mean of the record, and not about that of all records, it is less by the former's variance
     own_mean = Contribution("deviation of the mean", "B", scale * of_mean.standard**2)
+    length, beyond = _centre_beyond_its_scatter(flux)
+    of_centre = Contribution("slow motion of the centre", "B", scale * length * beyond)
     if untold and not flux.reason:
         yield Measurement.undefined(name, "Wb", text, untold, flux.basis)
     else:
-        yield flux.number(name, text, rms, of_rms, resolved, own_mean, content=Power())
+        yield flux.number(name, text, rms, of_rms, resolved, own_mean, of_centre, content=Power())
+
+
+def _centre_beyond_its_scatter(flux: _Revolutions) -> tuple[float, float]:
+    """Return how far the centre is from zero, and the standard uncertainty of that by what moves it too
+    slowly to be in the scatter of the revolutions: the mean square of the radius has half of its square."""
+    centre = flux.without_growth(growth_within(flux.orders[:, 1])[0])[:, 0]
+    length, _, along = length_of_mean(centre, flux.after, flux.of_centre if flux.are_few else None)
+    own, dof = along.standard / students_deviation(along.dof), max(1.0, len(centre) - 1.0)
+    by_scatter = math.sqrt(0.5 * float(np.var(centre)) / dof) * students_deviation(dof)
+    return length, math.sqrt(max(own**2 - by_scatter**2, 0.0))
 
 
 def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:

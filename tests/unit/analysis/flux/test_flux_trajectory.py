@@ -202,3 +202,24 @@ def test_pink_noise_of_few_revolutions_is_in_the_centre() -> None:
             errors.append((found.value - 0.17 * 0.01) / found.uncertainty.standard)
     assert len(errors) > 40
     assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+def test_the_rms_of_a_radius_has_what_moves_its_centre_slowly() -> None:
+    """Pink noise over far more than the record: the mean of it there is the same in all revolutions."""
+    revolutions, rows, times, errors = 9.3, 4650, 16, []
+    frequency = np.fft.rfftfreq(times * rows)
+    for seed in range(30):
+        random = np.random.default_rng(seed)
+        white = np.fft.rfft(random.standard_normal((2, times * rows)), axis=1)[:, 1:]
+        pink = np.fft.irfft(np.pad(white / np.sqrt(frequency[1:]), ((0, 0), (1, 0))), axis=1)
+        noise = (pink / np.std(pink))[:, :rows]
+        circle = np.exp(2j * np.pi * (revolutions * np.arange(rows) / rows + random.uniform()))
+        psi = circle + 0.03 + 2e-3 * (noise[0] + 1j * noise[1])
+        columns = {"psi_alpha": np.asarray(psi.real), "psi_beta": np.asarray(psi.imag)}
+        block = Block.from_arrays(10e3, dict.fromkeys(columns, "Wb"), **columns)
+        found = {each.name: each for each in flux_trajectory(block)}["flux_radius_rms"]
+        if found.uncertainty is not None:
+            error = found.value - float(np.hypot(0.03 / np.sqrt(2.0), 2e-3))
+            errors.append(error / found.uncertainty.standard)
+    assert len(errors) > 20
+    assert np.sqrt(np.mean(np.square(errors))) < 1.4
