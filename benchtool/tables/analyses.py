@@ -90,7 +90,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         basis = replace(record_basis(record.uniform), gaps=basis.gaps)
     else:
         rows = f", over {len(record.data)} rows, each counting the same whatever the time between them"
-    marks, repeated, per_revolution = periods.repetition()
+    repetition = periods.repetition()
     held = held_rows(record.column(what))
     rated = record.question.torque_rated_Nm if what == "torque" else None
     for each in ripple_of_rows(
@@ -99,9 +99,9 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         what,
         basis,
         rated=rated,
-        marks=marks,
-        repeated=repeated,
-        per_revolution=per_revolution,
+        marks=repetition.marks,
+        repeated=repetition.kind,
+        per_revolution=repetition.per_revolution,
         what=channel.name,
         no_periods=periods.hidden,
     ):

@@ -21,6 +21,17 @@ _ROTATING_FRAME = re.compile(r"(?<![a-z])i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|curren
 
 
 @dataclass(frozen=True)
+class Repetition:
+    """What the rows of a record repeat: the sample numbers at which periods begin, shape (n,), None where none
+    are known, their kind, electrical periods, else revolutions, and how many make a revolution; 1 where that
+    is not known."""
+
+    marks: NDArray[np.float64] | None = None
+    kind: str = ""
+    per_revolution: int = 1
+
+
+@dataclass(frozen=True)
 class Periods:
     """Electrical periods of a record with even time steps; `repetition` is of any record."""
 
@@ -46,22 +57,21 @@ class Periods:
             raise AnalysisError(reason)
         return track
 
-    def repetition(self) -> tuple[NDArray[np.float64] | None, str, int]:
-        """Return the sample numbers at which periods begin, their kind, electrical periods, else revolutions,
-        and how many make a revolution; 1 where that is not known."""
+    def repetition(self) -> Repetition:
+        """Return what the rows repeat: electrical periods, else revolutions."""
         track = self._for_scatter() if self.record.uniform is not None else None
         if track is not None:
             # without an angle the machine may slip
             per_revolution = 1 if track.residual_rad is None else self.record.question.pole_pairs or 1
-            return track.period_marks(), "electrical periods", per_revolution
+            return Repetition(track.period_marks(), "electrical periods", per_revolution)
         if "angle" not in self.record.channels:
             return self._at_stated_speed()
         angle = self.record.channels["angle"].name
         try:
             coverage = angle_coverage(self.record.column("angle"), angle)
         except AnalysisError:
-            return None, "", 1
-        return revolution_rows(coverage.angle_rad).astype(np.float64), f"revolutions of {angle}", 1
+            return Repetition()
+        return Repetition(revolution_rows(coverage.angle_rad).astype(np.float64), f"revolutions of {angle}")
 
     @property
     def hidden(self) -> str:
@@ -75,20 +85,19 @@ class Periods:
             f"angle tells revolutions of any rows"
         )
 
-    def _at_stated_speed(self) -> tuple[NDArray[np.float64] | None, str, int]:
-        """Return the sample numbers at which periods begin at the constant speed that was stated, if there is
-        one, their kind, and how many make a revolution."""
+    def _at_stated_speed(self) -> Repetition:
+        """Return the periods at the constant speed that was stated, if there is one."""
         uniform, question = self.record.uniform, self.record.question
         if uniform is None or question.omega_m_rad_s is None:
-            return None, "", 1
+            return Repetition()
         step_rad = question.omega_m_rad_s / uniform.sample_rate_Hz
         turn_rad = 2.0 * math.pi / (question.pole_pairs or 1)
         if abs(step_rad) > 0.5 * turn_rad:
-            return None, "", 1
+            return Repetition()
         angle_rad = step_rad * np.arange(len(uniform.data), dtype=np.float64)
         kind = "electrical periods" if question.pole_pairs else "revolutions"
         marks = revolution_rows(angle_rad, turn_rad).astype(np.float64)
-        return marks, f"{kind} at the stated speed", question.pole_pairs or 1
+        return Repetition(marks, f"{kind} at the stated speed", question.pole_pairs or 1)
 
     def _of_angle(self) -> PhaseTrack | None:
         """Return the electrical periods from angle and pole pairs, where both are there.
