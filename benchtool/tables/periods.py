@@ -22,7 +22,7 @@ _ROTATING_FRAME = re.compile(r"(?<![a-z])i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|curren
 
 @dataclass(frozen=True)
 class Repetition:
-    """What the rows of a record repeat: the sample numbers at which periods begin, shape (n,), None where none
+    """What the rows of a record repeat: sample numbers at which periods begin, shape (n,), None where none
     are known, their kind, electrical periods, else revolutions, and how many make a revolution; 1 where that
     is not known."""
 
