@@ -32,7 +32,8 @@ from benchtool.analysis.steps.passages import (
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.steps.tops import Top, kink, middle_of_level, parabola, quartic, rows_of_level
+from benchtool.analysis.steps.tops import Top, kink, parabola, quartic
+from benchtool.analysis.steps.tops_on_levels import middle_of_level, rows_of_level
 
 Floats = NDArray[np.float64]
 

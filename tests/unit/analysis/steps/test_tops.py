@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tops import kink, middle_of_level, parabola, quartic, rows_of_level
+from benchtool.analysis.steps.tops import kink, parabola, quartic
 
 
 @pytest.mark.parametrize("place", [0.1, 0.4, 0.7, 0.95])
@@ -45,31 +45,6 @@ def test_noise_is_no_kink() -> None:
         values = random.standard_normal(41)
         top = 3 + int(np.argmax(values[3:-3]))
         assert kink(values, top, 1.0) is None
-
-
-def test_the_peak_of_a_level_is_told_by_the_level_below() -> None:
-    """Peaks that fall faster than they rise, and corners that fall at once, on steps of a twentieth."""
-    random, missed = np.random.default_rng(8), []
-    for number in range(200):
-        place = 40.0 + random.uniform()
-        at, ahead = np.arange(80.0) - place, random.uniform(5.0, 30.0)
-        if number % 2:
-            values = 1.0 - (at / 10.0) ** 2 * np.where(at < 0.0, 0.8, 1.0)
-        else:
-            values = 1.0 - np.where(at < 0.0, -at / ahead, at / 30.0)
-        level = np.round((values + random.uniform(0.0, 0.05)) / 0.05)
-        top = np.flatnonzero(level == np.max(level))
-        found, standard = middle_of_level(level, int(top[0]))
-        assert standard <= len(top) / math.sqrt(12.0)
-        missed.append((found - place) / standard)
-    assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.3
-
-
-def test_a_level_without_one_below_it_on_both_sides_holds_its_peak_anywhere() -> None:
-    for first, last in ((0, 3), (5, 8), (2, 5)):
-        values = np.zeros(9)
-        values[first : last + 1] = 1.0
-        assert middle_of_level(values, first) == (0.5 * (first + last), 4.0 / math.sqrt(12.0))
 
 
 def test_a_smooth_top_whose_flanks_bend_neither_way_is_no_kink() -> None:
@@ -114,26 +89,6 @@ def test_too_few_rows_or_a_kink_have_no_top_on_a_quartic() -> None:
     corner = 1.0 - 0.1 * np.abs(np.arange(11.0) - 5.2) - 0.001 * (np.arange(11.0) - 5.0) ** 2
     for values in (five_a_period, corner):
         assert quartic(values, 5) is None
-
-
-def test_a_level_that_noise_reads_there_and_back_is_one_level() -> None:
-    """A smooth peak on steps of 1 in noise of a seventh of one, of which rows at rest show nothing."""
-    random, missed = np.random.default_rng(5), []
-    for _ in range(200):
-        place = 60.0 + random.uniform()
-        at = np.arange(120.0) - place
-        level = np.round(
-            4.0 * np.cos(at / 20.0) + random.uniform(0.0, 1.0) + 0.15 * random.standard_normal(120)
-        )
-        found, standard = middle_of_level(level, int(np.argmax(level)))
-        missed.append((found - place) / standard)
-    assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.9
-
-
-def test_rows_of_a_level_end_where_it_is_left_for_good() -> None:
-    assert rows_of_level(np.array([0.0, 1, 2, 1, 2, 2, 2, 1, 2, 1, 0, 1, 2]), 2) == (2, 8)
-    assert rows_of_level(np.array([0.0, 1, 2, 2, 1, 1, 1, 1, 2, 1]), 2) == (2, 3)
-    assert rows_of_level(np.array([0.0, 1, 2, 2, 0, 2, 2]), 2) == (2, 3)
 
 
 def test_a_peak_in_the_first_rows_is_between_them_too() -> None:
