@@ -1,4 +1,4 @@
-"""Noise floor beside harmonics whose amplitude changes, by what differs between successive periods."""
+"""Noise floor beside harmonics that change, by what differs between successive periods."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ _LEAST = 0.95  # of a power: with more, the floor stays as it is
 def without_changes(
     floor: NoiseFloor | None, spectrum: CoherentSpectrum, samples: CoherentSamples, *, has_stepped: bool
 ) -> NoiseFloor | None:
-    """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude
-    changes.
+    """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude or
+    phase changes.
 
     A ramp, or a step, of an amplitude has sidebands that fall off as the inverse distance, and are more than
-    the noise in all bins of a spectrum. They are in phase with the harmonic: where sidebands of the
-    fundamental are so, more than in quadrature, the floor is by the second differences of successive periods
-    if these have less. Neither a harmonic nor a ramp is in them; a step is in three, which are left out where
-    they have more, and what bends otherwise shows in the fundamental first. Of an amplitude that
-    `has_stepped` the step was divided out, but for what it leaves in the period that it is in.
+    the noise in all bins of a spectrum. They are in phase with the harmonic, and those of a phase in
+    quadrature to it, as of one that slips too little to be followed: where the fundamental has more of the
+    one than of the other, the floor is by the second differences of successive periods if these have less.
+    Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
+    what bends otherwise shows in the fundamental first. Of an amplitude that `has_stepped` the step was
+    divided out, but for what it leaves in the period that it is in.
     """
     if floor is None or samples.periods < 3 or not (has_stepped or _changes(spectrum)):
         return floor
@@ -65,8 +66,8 @@ def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CH
 
 
 def _changes(spectrum: CoherentSpectrum) -> bool:
-    """Return whether the sidebands of the fundamental in phase with it are more than the others, and not by
-    chance."""
+    """Return whether sidebands of the fundamental are more in phase with it than in quadrature, or less, and
+    not by chance."""
     periods, bins = spectrum.periods, spectrum.phasor
     reach = min(periods, len(bins) - periods) - 1
     if reach < 2:
@@ -74,7 +75,8 @@ def _changes(spectrum: CoherentSpectrum) -> bool:
     towards = np.exp(-1j * np.angle(bins[periods]))
     above = bins[periods + 1 : periods + 1 + reach] * towards
     below = np.conj(bins[periods - reach : periods][::-1] * towards)
-    return _is_more(_power(above + below), _power(above - below), reach)
+    in_phase, in_quadrature = _power(above + below), _power(above - below)
+    return _is_more(max(in_phase, in_quadrature), min(in_phase, in_quadrature), reach)
 
 
 def _power(values: NDArray[np.complex128]) -> float:

@@ -1,4 +1,4 @@
-"""The noise floor of a current whose amplitude changes over few periods, or by more than one course."""
+"""The noise floor of a current whose amplitude or phase changes over few periods, or in more than one way."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ Floats = NDArray[np.float64]
 
 
 def _relative(
-    periods: int, size: Floats, seed: int, *, has_stepped: bool = False
+    periods: int, size: Floats, seed: int, *, turned_rad: Floats | float = 0.0
 ) -> tuple[float, float, float]:
     """Return the plain floor and that without changes over the noise, and the error of the latter over its
-    uncertainty; `size` is the course of the amplitude, shape (n,)."""
-    at = 2 * np.pi * np.arange(periods * _PER_PERIOD) / _PER_PERIOD
+    uncertainty; `size` and `turned_rad` are the courses of amplitude and phase, shape (n,)."""
+    at = 2 * np.pi * np.arange(periods * _PER_PERIOD) / _PER_PERIOD + turned_rad
     wave = size * (np.cos(at + 0.4) + 0.03 * np.cos(5 * at))
     wave += _NOISE * np.random.default_rng(seed).standard_normal(len(at))
     samples = CoherentSamples(wave, periods, float(len(at)), 10e3)
     spectrum = spectrum_of(samples)
     plain = noise_floor(spectrum)
-    found = without_changes(plain, spectrum, samples, has_stepped=has_stepped)
+    found = without_changes(plain, spectrum, samples, has_stepped=False)
     assert plain is not None
     assert found is not None
     truth = 2.0 * _NOISE / np.sqrt(len(at))
@@ -45,6 +45,18 @@ def test_a_change_of_the_amplitude_is_no_noise(periods: int, course: str) -> Non
     elif course == "swing and ramp":
         size = size + 0.005 * np.cos(2 * np.pi * 1.3 * place)
     plain, found, error = np.transpose([_relative(periods, size, seed) for seed in range(30)])
+    assert np.median(plain) > 1.5
+    assert np.mean(found) == pytest.approx(1.0, abs=0.06)
+    assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
+
+
+@pytest.mark.parametrize("periods", [5, 9, 40])
+def test_a_phase_that_slips_is_no_noise(periods: int) -> None:
+    rows = periods * _PER_PERIOD
+    slipped_rad = np.linspace(-0.03, 0.03, rows)
+    plain, found, error = np.transpose(
+        [_relative(periods, np.ones(rows), seed, turned_rad=slipped_rad) for seed in range(30)]
+    )
     assert np.median(plain) > 1.5
     assert np.mean(found) == pytest.approx(1.0, abs=0.06)
     assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
