@@ -35,7 +35,9 @@ def without_changes(
     what bends otherwise shows in the fundamental first. Of an amplitude that `has_stepped` the step was
     divided out, but for what it leaves in the period that it is in.
     """
-    if floor is None or samples.periods < 3 or not (has_stepped or _changes(spectrum)):
+    if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
+        return floor
+    if not (has_stepped or _changes(spectrum)):
         return floor
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]

@@ -62,6 +62,16 @@ def test_a_phase_that_slips_is_no_noise(periods: int) -> None:
     assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
 
 
+@pytest.mark.parametrize("per_period", [3, 4, 5, 7])
+def test_a_period_of_few_samples_has_no_orders_to_tell_changes_by(per_period: int) -> None:
+    at = 2 * np.pi * np.arange(60 * per_period) / per_period
+    wave = np.linspace(0.5, 1.5, len(at)) * np.cos(at)
+    samples = CoherentSamples(wave, 60, float(len(at)), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum)
+    assert without_changes(plain, spectrum, samples, has_stepped=True) == plain
+
+
 def test_the_floor_of_a_steady_amplitude_stays_as_it_is() -> None:
     pairs = [_relative(20, np.ones(20 * _PER_PERIOD), seed)[:2] for seed in range(40)]
     assert sum(plain == found for plain, found in pairs) >= 38

@@ -424,3 +424,18 @@ def test_what_rows_miss_of_a_crest_in_each_period_is_no_scatter_of_the_peak_to_p
         values.append(number.value)
         stated.append(number.uncertainty.standard)
     assert 0.7 < np.std(values) / np.median(stated) < 1.4
+
+
+def test_periods_begin_where_the_rotor_is_while_its_speed_swings() -> None:
+    """A swing of 1 % at a tenth of the frequency: parts of the ripple would else move between periods."""
+    random, relative, standard = np.random.default_rng(7), [], []
+    for _ in range(30):
+        time_s, at = np.arange(25_075) / 5e3, random.uniform(0.0, 2.0 * np.pi, 2)
+        theta_e = 2.0 * np.pi * 20.0 * time_s + 0.1 * np.sin(2.0 * np.pi * 2.0 * time_s + at[0])
+        torque = 2.0 + 0.1 * np.cos(6.0 * theta_e + at[1]) + 2e-4 * random.normal(size=len(time_s))
+        mean = numbers(torque, track_angle(theta_e, 1))["torque_mean"]
+        assert mean.uncertainty is not None
+        relative.append((mean.value - 2.0) / mean.uncertainty.standard)
+        standard.append(mean.uncertainty.standard)
+    assert 0.6 < float(np.sqrt(np.mean(np.square(relative)))) < 1.4
+    assert float(np.median(standard)) < 2.5e-6
