@@ -9,6 +9,7 @@ differ by part of a step, and the errors take the place of the output.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy import fft
@@ -54,18 +55,14 @@ def errors_of_output_steps(
     noise = noise_beside(min(float(np.var(left)), 0.5 * float(np.mean(np.diff(left) ** 2))), step)
     level, size = level_of(y, step) - float(np.mean(y)), 0.5 * float(np.ptp(made))
     outputs = (followed, made)  # one lies too near to the levels, the other rests less than it does
-    power = [_around(np.abs(x_bins[part::_PARTS]) ** 2) for part in range(_PARTS)]
-    errors, gains = [], []
+    drawn = []
     for number, part in enumerate((np.arange(_DRAWS) + 0.5) / _DRAWS - 0.5):
         made = outputs[number % len(outputs)]
         error = error_of_steps(made * (1.0 + part * step / size), step, noise, level)
         if error is None:
             return none
-        gains.append(float(error @ made) / float(made @ made))
-        along = np.conj(x_bins) * fft.rfft(error)[1:]
-        of_error = [_around(along[part::_PARTS]) / power[part] for part in range(_PARTS)]
-        errors.append([each[np.minimum(at // _PARTS, len(each) - 1)] / response for each in of_error])
-    return *_in_common(np.array(errors)), float(np.sqrt(np.mean(np.square(gains))))
+        drawn.append((error, made))
+    return _of_errors(drawn, x_bins, _powers(x_bins), response, at)
 
 
 def errors_of_equal_readings(
@@ -88,11 +85,29 @@ def errors_of_equal_readings(
     random = np.random.default_rng(_SEED)
     drawn = left * step * random.uniform(-0.5, 0.5, (_DRAWS, int(np.max(levels)) + 1))[:, levels]
     x_bins, made = fft.rfft(x)[1:], y - np.mean(y)
-    power = [_around(np.abs(x_bins[part::_PARTS]) ** 2) for part in range(_PARTS)]
+    power = _powers(x_bins)
     if min(float(np.min(each)) for each in power) < _LEAST_POWER * max(float(np.max(each)) for each in power):
         return none
+    return _of_errors([(error, made) for error in drawn], x_bins, power, response, at)
+
+
+def _powers(x_bins: Complex) -> list[Floats]:
+    """Return the power of an input around each of the bins of a part, for all parts."""
+    power = np.abs(x_bins) ** 2
+    return [np.asarray(_around(power[part::_PARTS]), np.float64) for part in range(_PARTS)]
+
+
+def _of_errors(
+    drawn: Sequence[tuple[Floats, Floats]],
+    x_bins: Complex,
+    power: Sequence[Floats],
+    response: Complex,
+    at: NDArray[np.int64],
+) -> tuple[Floats, Floats, float]:
+    """Return what `errors_of_output_steps` does, by drawn errors of the steps, each beside the output that it
+    is of, both of shape (n,)."""
     errors, gains = [], []
-    for error in drawn:
+    for error, made in drawn:
         gains.append(float(error @ made) / float(made @ made))
         along = np.conj(x_bins) * fft.rfft(error)[1:]
         of_error = [_around(along[part::_PARTS]) / power[part] for part in range(_PARTS)]

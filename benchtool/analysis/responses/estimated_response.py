@@ -36,7 +36,8 @@ NEPER_DB = 20.0 / math.log(10.0)
 
 _BY_CHANCE = 0.05  # probability that noise alone passes for coherent at one of all frequencies
 _LINE = 3.0  # times the noise of its neighbours: a disturbance at one frequency
-_OF_GOING_ON, _ROUNDING = 0.5, 1e-9
+_OF_GOING_ON = 0.5  # of the change of phase as far below: what is expected of the next
+_ROUNDING = 1e-9  # of a distance of frequencies
 _NOTHING_KNOWN = 1e9  # relative error
 _EVEN = 0.05  # relative error of a mean of neighbouring gains that picks none by chance
 
@@ -158,7 +159,7 @@ def without_jumps(frequency_Hz: NDArray[np.float64], response: NDArray[np.comple
     # the next frequency is as far above each as that which its slope is taken from is below it
     apart = np.append(np.diff(frequency_Hz), 0.0)
     below = np.searchsorted(frequency_Hz, frequency_Hz - apart * (1.0 - _ROUNDING), side="right") - 1
-    below = np.where(below == np.arange(len(phase)), np.maximum(below - 1, 0), np.maximum(below, 0))
+    below = np.maximum(np.minimum(below, np.arange(len(phase)) - 1), 0)
     for at in range(len(phase) - 1):
         far, from_Hz = below[at], frequency_Hz[at] - frequency_Hz[below[at]]
         slope = (phase[at] - phase[far]) / from_Hz if from_Hz > 0.0 else 0.0
