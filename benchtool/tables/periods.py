@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
+from benchtool.analysis.spectra import marks_of_rotor
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
 
@@ -63,7 +64,7 @@ class Periods:
         if track is not None:
             # without an angle the machine may slip
             per_revolution = 1 if track.residual_rad is None else self.record.question.pole_pairs or 1
-            return Repetition(track.period_marks(), "electrical periods", per_revolution)
+            return Repetition(marks_of_rotor(track), "electrical periods", per_revolution)
         if "angle" not in self.record.channels:
             return self._at_stated_speed()
         angle = self.record.channels["angle"].name

@@ -1,3 +1,4 @@
+from .angle_following import marks_of_rotor as marks_of_rotor
 from .current import (
     CurrentSpectrum as CurrentSpectrum,
     current_spectrum as current_spectrum,

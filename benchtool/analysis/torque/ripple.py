@@ -14,7 +14,7 @@ from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
-from benchtool.analysis.spectra.angle_following import along_angle
+from benchtool.analysis.spectra.angle_following import marks_of_rotor
 from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
@@ -117,7 +117,7 @@ def ripple_numbers(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     # without an angle the machine may slip
     has_angle = track is not None and track.residual_rad is not None
-    marks = None if track is None else _followed(track).period_marks()
+    marks = None if track is None else marks_of_rotor(track)
     return ripple_of_rows(
         samples,
         unit,
@@ -129,13 +129,6 @@ def ripple_numbers(
         what=what or channel,
         channel=channel,
     )
-
-
-def _followed(track: PhaseTrack) -> PhaseTrack:
-    """Return a track along the angle that it was made from, where that departs from it: periods begin where
-    the rotor is, also while its speed swings."""
-    tracks = along_angle(track, track.samples / track.periods)
-    return tracks.within or tracks.of_periods or track
 
 
 def ripple_of_rows(

@@ -48,10 +48,14 @@ def test_the_catalogue_gives_the_numbers_of_the_table(tmp_path: Path) -> None:
         assert result[name].value == pytest.approx(table[name].value, rel=1e-9), name
 
 
-def test_what_a_revolution_repeats_is_in_a_table_what_it_is_in_a_run(tmp_path: Path) -> None:
-    """Orders below the pole pairs are no scatter of the periods, in either."""
+@pytest.mark.parametrize("swing_rad", [0.0, 0.02])
+def test_what_a_revolution_repeats_is_in_a_table_what_it_is_in_a_run(
+    tmp_path: Path, swing_rad: float
+) -> None:
+    """Orders below the pole pairs are no scatter of the periods, in either, and these begin where the rotor
+    is."""
     time_s = np.arange(900) / 1e3
-    theta_m = 21.0 * time_s
+    theta_m = 21.0 * time_s + swing_rad * np.sin(2.0 * math.pi * 2.3 * time_s)
     torque = 0.65 + 0.05 * np.sin(theta_m) + 1e-3 * np.random.default_rng(2).normal(size=900)
     columns = [time_s, torque, np.cos(4.0 * theta_m), np.mod(theta_m, 2.0 * math.pi)]
     path = tmp_path / "eccentric.csv"
