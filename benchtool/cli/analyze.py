@@ -18,7 +18,7 @@ from benchtool.cli import options, selection as chosen
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
-from benchtool.errors import UsageError
+from benchtool.errors import RecordingError, UsageError
 from benchtool.profile import Bench, load_bench
 from benchtool.recording import Bundle, enlist
 from benchtool.report.assembly import keep, table_report
@@ -36,7 +36,7 @@ from benchtool.results import (
     stored_remarks,
 )
 from benchtool.run import bundle_folder
-from benchtool.tables import PHASES, TableAnswer, TableQuestion, analyze_table, quantity
+from benchtool.tables import PHASES, TableAnswer, TableQuestion, TextTable, analyze_table, quantity
 
 
 def _column(what: str) -> Any:
@@ -192,10 +192,13 @@ def analyze(
     omega_m_rad_s = None if speed is None else quantity(speed, "rad/s")
     if omega_m_rad_s is not None:
         speed = None
-    _require_time(csv, time, rate)
+    _require_time(csv, time, rate, decimal or "")
     if current is None and torque is None and speed is None:
         missing = "--current, --torque and --speed"
-        raise UsageError(f"--csv without {missing}: name the column of a current, torque or speed")
+        raise UsageError(
+            f"--csv without {missing}: name the column of a current, torque or speed"
+            f"{_columns_of(csv, decimal or '')}"
+        )
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
     turning = None if angle is None and omega_m_rad_s is None else "--angle"
@@ -268,9 +271,20 @@ def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
     return 0
 
 
-def _require_time(csv: Path, time: str | None, rate: float | None) -> None:
+def _columns_of(csv: Path, decimal: str) -> str:
+    """Return the columns to choose from, or nothing where the table cannot be read."""
+    try:
+        return f" ({TextTable.open(csv, decimal, timed=False).listed})"
+    except RecordingError:
+        return ""
+
+
+def _require_time(csv: Path, time: str | None, rate: float | None, decimal: str) -> None:
     if time is None and rate is None:
-        raise UsageError("--csv without --time: name the column of the time, or state --rate in Hz")
+        raise UsageError(
+            f"--csv without --time: name the column of the time, or state --rate in Hz"
+            f"{_columns_of(csv, decimal)}"
+        )
     if time is not None and rate is not None:
         raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
     if rate is not None and not (math.isfinite(rate) and rate > 0.0):

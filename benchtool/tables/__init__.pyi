@@ -9,6 +9,7 @@ from .columns import (
 )
 from .record import Record as Record
 from .scaling import quantity as quantity
+from .text import TextTable as TextTable
 from .units import (
     KNOWN as KNOWN,
     unit_factor as unit_factor,

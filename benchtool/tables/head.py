@@ -20,6 +20,7 @@ _IN_BRACKETS = re.compile(
     r"\(([^()]*)\)|\[([^\[\]]*)\]|\{([^{}]*)\}|<([^<>]*)>|[（［〔【]([^（）［］〔〕【】]*)[）］〕】]"
 )
 _BRACKETS = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})")
+_BRACKETS_AT_END = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})\s*$")
 _RULE_SIGNS = frozenset("-=_+|:~* \t")
 _ASSIGNED = re.compile(r"[^=]+=[^=]*")
 _CHANNEL = re.compile(r"[0-9]{1,3}")
@@ -42,6 +43,7 @@ _TYPE = re.compile(r"(?:u?int|float|real|single|double|number|string|datetime|ti
 _STATED_UNIT = re.compile(r"(?:[=:]|\bin)[\s\"']*([^\W\d_][\w°/·^-]+)(?=[\s\"',;.})\]]|$)")
 _ON_UNITS = re.compile(r"units?\b|einheit|unité|unidad|unità", re.IGNORECASE)
 _WORD = re.compile(r"(?<![\w.,])(?<!\d\s)[^\W\d_][\w°/·^-]*")
+_QUOTED_OR_WORD = re.compile(r'"[^"]*"(?!\S)|\S+')
 _BLANK = " \r\n\f\v"
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
@@ -82,6 +84,11 @@ class Column:
         return quantity if unit else _BRACKETS.sub("", self.name).strip() or self.name
 
     @property
+    def name_before_brackets(self) -> str:
+        """The name without the last of its brackets, if it ends in one: `r69[0] I_a [A]` is `r69[0] I_a`."""
+        return _BRACKETS_AT_END.sub("", self.name).strip() or self.name
+
+    @property
     def in_brackets(self) -> str:
         """What stands in the last brackets of the name, or nothing."""
         return next(reversed(_in_brackets(self.name)), "")
@@ -94,7 +101,7 @@ def is_comment(line: bytes) -> bool:
 def split(line: str, delimiter: str) -> list[str]:
     """Return the cells of a line, without the blanks about them."""
     if delimiter == BLANKS:
-        return line.split()
+        return [cell.strip('"') for cell in _QUOTED_OR_WORD.findall(line)]
     if delimiter == BAR and (match := _BETWEEN_BARS.fullmatch(line)):
         line = match[1]
     if '"' in line:

@@ -191,9 +191,10 @@ def _head(texts: Sequence[str], rows: list[bool], fit: Fit, in_rows: Sequence[Se
         rows = _below_labels(texts, rows, fit)
     places = [place for place, is_row in enumerate(rows) if is_row][: ROWS + 3]
     first = [fit.cells(texts[place]) for place in places]
-    found = _Head(
-        places[0], columns_of(texts[: places[0]], fit.delimiter, used, fit.width, is_labelled=is_labelled)
-    )
+    above = [*texts[: places[0]]]
+    if places[0] and _is_without_names_of_rows(above[-1], first, fit):
+        above[-1] = f'""{fit.delimiter}{above[-1].strip()}'
+    found = _Head(places[0], columns_of(above, fit.delimiter, used, fit.width, is_labelled=is_labelled))
     if not found.columns and (below := rows_below_names(texts, rows, fit.delimiter, fit.numeric)):
         found = _Head(below, columns_of(texts[:below], fit.delimiter, used, fit.width))
     if found.lines == places[0] and (count := lines_of_head(first, fit.numeric, fit.decimal, fit.delimiter)):
@@ -201,6 +202,15 @@ def _head(texts: Sequence[str], rows: list[bool], fit: Fit, in_rows: Sequence[Se
         columns = columns_of(texts[:lines], fit.delimiter, used, fit.width, is_labelled=is_labelled)
         return _Head(lines, columns, numbers)
     return found
+
+
+def _is_without_names_of_rows(line: str, rows: Sequence[Sequence[str]], fit: Fit) -> bool:
+    """Return whether a head has a cell less than rows that begin with their number, from 0 or 1 on, as R
+    writes it."""
+    counts = [cells[0].strip('"') for cells in rows]
+    is_counted = any(counts == [str(place + start) for place in range(len(rows))] for start in (0, 1))
+    cells = fit.cells(bare_line(line))
+    return is_counted and len(rows) > 1 and len(cells) == fit.width - 1 and not any(map(has_number, cells))
 
 
 def _is_open(fit: Fit, by_column: Sequence[Sequence[str]]) -> bool:

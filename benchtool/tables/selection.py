@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,12 @@ from benchtool.errors import AnalysisError
 from benchtool.tables.head import Column
 from benchtool.tables.layout import Layout
 from benchtool.tables.scaling import Scaling, scaling, speed_hint
-from benchtool.tables.unit_in_name import name_before_unit, perhaps_in_name, unit_in_name
+from benchtool.tables.unit_in_name import (
+    name_before_last_unit,
+    name_before_unit,
+    perhaps_in_name,
+    unit_in_name,
+)
 from benchtool.tables.units import (
     PERCENT,
     is_reciprocal_second,
@@ -60,7 +66,7 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
     if number is None:
         constant = speed_hint(wanted) if si_unit == _SPEED else ""
         raise AnalysisError(
-            f"{path} has no column '{wanted}', {_listed(layout)}: give a name or a number{constant}"
+            f"{path} has no column '{wanted}', {listed(layout)}: give a name or a number{constant}"
         )
     column = layout.columns[number].called(wanted)
     asked = stated.unit or si_unit
@@ -94,9 +100,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
     if unit_from == "assumed" and (perhaps := perhaps_in_name(column.bare_name, si_unit)):
         example = perhaps if unit_factor(perhaps, si_unit) is not None else si_unit
         raise AnalysisError(
-            f"the name of column '{wanted}' of {path} has '{perhaps}' in it, which may be its unit: state "
-            f"it in the option, as '{wanted}:{example}', with a gain where one step is another size, as "
-            f"'{wanted}:{si_unit}*0.01'"
+            f"the name of column '{wanted}' of {path} has '{perhaps}' in it, which may be its unit or scale: "
+            f"state it in the option, as '{wanted}:{example}', with a gain where one step is another size, "
+            f"as '{wanted}:{si_unit}*0.01'"
         )
     if factor is None:
         by = "which its head states" if unit_from == "head" else "as given"
@@ -162,10 +168,12 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
     names = [column.name for column in columns]
     bare = [column.bare_name for column in columns]
     joined = [name_before_unit(name) for name in bare]
-    others = [(column.other_name, *column.aliases) for column in columns]
-    exact: list[list[tuple[str, ...]]] = [[(name,) for name in each] for each in (names, bare, joined)]
-    exact.append(others)
-    ways = [(spelt, wanted) for spelt in exact]
+    exact: list[Sequence[tuple[str, ...]]] = [
+        *([(name,) for name in each] for each in (names, bare, joined)),
+        [(column.name_before_brackets, name_before_last_unit(column.name)) for column in columns],
+        [(column.other_name, *column.aliases) for column in columns],
+    ]
+    ways: list[tuple[Sequence[tuple[str, ...]], str]] = [(spelt, wanted) for spelt in exact]
     ways += [([tuple(map(str.lower, each)) for each in spelt], wanted.lower()) for spelt in exact]
     for spelt, name in ways:
         places = [place for place, each in enumerate(spelt) if name and name in each]
@@ -181,7 +189,8 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
     return None
 
 
-def _listed(layout: Layout) -> str:
+def listed(layout: Layout) -> str:
+    """Return what the columns are called, for a message."""
     columns = layout.columns
     if not any(column.name for column in columns):
         head = f" (its head '{layout.head:.40}' is not of {len(columns)} cells)" if layout.head else ""

@@ -21,7 +21,7 @@ from benchtool.tables.grouping import Use, use_of
 from benchtool.tables.head import BAR
 from benchtool.tables.labelled_values import as_columns
 from benchtool.tables.layout import Layout, find_layout
-from benchtool.tables.selection import Selection, selection_of
+from benchtool.tables.selection import Selection, listed, selection_of
 from benchtool.tables.stamps import seconds_of
 
 _BLOCK_BYTES = 4 << 20
@@ -119,6 +119,11 @@ class TextTable:
         table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added), text)
         return table._settled() if table.layout.is_open and not decimal else table
 
+    @property
+    def listed(self) -> str:
+        """What the columns are called, for a message."""
+        return listed(self.layout)
+
     def select(self, wanted: str, si_unit: str, rated: float | None = None) -> Selection:
         """Return the column that `wanted` names, in a unit of the kind of `si_unit`.
 
@@ -194,7 +199,7 @@ class TextTable:
         """Return the first cell of these columns that is not a number, as in the file; empty if none."""
         wanted = list(dict.fromkeys(each.number - 1 for each in selections))
         with suppress(pa.ArrowException):
-            table, _ = self._read(self._body(), wanted, pa.string())
+            table, _ = self._read(self._body(as_ascii=False), wanted, pa.string())
             for name in table.column_names:
                 bad = pc.is_null(self._numbers(name, table[name]))
                 if pc.any(bad).as_py():
@@ -221,13 +226,13 @@ class TextTable:
                 f"each row is expected: export it again"
             ) from None
 
-    def _body(self) -> bytes:
+    def _body(self, *, as_ascii: bool = True) -> bytes:
         body = self.text[self.layout.begin :]
         if b'"' in body and _LONG_QUOTE.search(body):
             body = _LONG_QUOTE.sub(lambda match: match[0].replace(b'"', b" "), body)
         if len(self.layout.columns) == 1:
             body = _with_empty_cells(body)
-        if not body.isascii() or b"\0" in body:
+        if as_ascii and (not body.isascii() or b"\0" in body):
             body = body.translate(_ASCII_ONLY)
         if b"#" in body or b"%" in body:
             body = _COMMENT.sub(b"", body)

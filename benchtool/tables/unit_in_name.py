@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from benchtool.tables.units import KNOWN, is_description, unit_factor
+from benchtool.tables.units import KNOWN, is_description, is_unit, unit_factor
 
 _UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
 _BLANKS = r"[_\s]+"
@@ -21,7 +21,27 @@ _PERHAPS_GLUED = re.compile(r".*[A-Za-z0-9]([munk](?:A|Nm))")
 _NUMBER_AND_UNIT = re.compile(r"(?<![A-Za-z0-9.,])([0-9]+(?:[.,][0-9]+)?)\s?([A-Za-zµ°]+)")
 _BEHIND_A_COMMA = re.compile(r".+,\s*(\S{1,4})")
 _OTHER_LETTERS = re.compile(r".+\s([^\x00-\x7f°µμ·Ωφθωψαβ]{1,4})")
+_LAST_WORD = re.compile(r"(?P<name>.*[^_\s])(?P<between>[_\s])\s*(?P<last>\S+)")
 _SIGNS = re.compile(r"[%‰]")
+_PER_DIVISION = re.compile(
+    r"[A-Za-zµ°]+(?:/|_|\s)(?:div|skt)\b", re.IGNORECASE
+)  # of an oscilloscope's screen
+_OTHER_SCALES = (
+    _PER_DIVISION,
+    re.compile(r"\bp\.\s?u\b\.?", re.IGNORECASE),
+    # of a rated or greatest value: T/Tn, i/i_N, Iq/Imax
+    re.compile(r"(?<![^\W_])([^\W\d_])\w{0,2}\s*/\s*\1\w?_?[n0](?![^\W_])", re.IGNORECASE),
+    re.compile(
+        r"(?<![^\W_])([^\W\d_])\w*\s*/\s*\1\w*?_?(?:nom|nenn|rated|max|ref|base)(?![^\W_])", re.IGNORECASE
+    ),
+    # a drive's object in its own scale, as thousandths of the rated torque (CiA 402): 6077h, 0x6077
+    re.compile(r"(?<![^\W_])(?:0x60[0-9a-f]{2}|60[0-9a-f]{2}h)(?![^\W_])", re.IGNORECASE),
+)
+_OTHER_PREFIXES = {
+    "A": re.compile(r"(?:d|c|da|h)A"),
+    "s": re.compile(r"[dc]s"),
+    "rad": re.compile(r"[dc](?:rad|deg)"),
+}
 _SCALES = frozenset(
     (
         *("pu", "p.u", "percent", "pct", "prozent", "permille", "promille", "mille", "lsb", "adc"),
@@ -43,9 +63,12 @@ def unit_in_name(name: str, unit: str) -> str:
     `speedRpm`), else the one that it begins with (`ms_today`), is (`rpm`), or has as a word of its own
     (`Ia |mA| filtered`), or nothing.
 
-    A letter alone is an index (i_s, u_h), and min at the beginning or within a name a least value.
+    A letter alone is an index (i_s, u_h), and min at the beginning or within a name a least value. What is
+    said per division of a screen is no unit of the values.
     """
     name = name.strip()
+    if _PER_DIVISION.search(name):
+        return ""
     joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", name)
     splits = [re.split(*each) for each in ((_BLANKS, name), (_JOINTS, name), (_JOINTS, joined))]
     for words in splits:
@@ -70,11 +93,14 @@ def perhaps_in_name(name: str, unit: str) -> str:
     """Return what may be the unit in a name that has none of the kind of `unit`, or nothing.
 
     It is one with nothing before it (`ImA`, which may also be phase m of motor A), in other capitals
-    (`i_ma`), of another kind (`CH1 mV`), or with a number (`I 10mA`); a word or sign of another scale
-    (`torque_pu`, `iq_counts`, `M %`); or a few letters behind a comma, or of another script, where units
-    stand.
+    (`i_ma`), with a prefix that is rare (`Ia_dA`), of another kind (`CH1 mV`), or with a number (`I 10mA`); a
+    word or sign of another scale (`torque_pu`, `iq_counts`, `M %`, `T/Tn`, `6077h`); or a few letters behind
+    a comma, or of another script, where units stand.
     """
     name = name.strip()
+    for scale_in in _OTHER_SCALES:
+        if (other_scale := scale_in.search(name)) is not None:
+            return other_scale[0]
     for found in _NUMBER_AND_UNIT.finditer(name):
         if unit_factor(found[2], unit) is not None and float(found[1].replace(",", ".")) != 1.0:
             return found[0]
@@ -83,6 +109,8 @@ def perhaps_in_name(name: str, unit: str) -> str:
         return match[1]
     words = [each for each in re.split(_JOINTS, name) if each]
     last, scales = words[-1] if len(words) > 1 else "", _SCALES_OF_TIME if unit == "s" else _SCALES_OF_VALUES
+    if unit in _OTHER_PREFIXES and _OTHER_PREFIXES[unit].fullmatch(last):
+        return last
     others = (kind for kind in KNOWN if kind != unit)
     if last.lower() not in _LIMITS and (
         _in_other_capitals(last, unit) or any(_joined([last], "", kind) for kind in others)
@@ -105,6 +133,16 @@ def _in_other_capitals(word: str, unit: str) -> bool:
 def name_before_unit(name: str) -> str:
     """Return a name without the sign of its unit and what is behind it (`t:ms`, `i=mA`)."""
     return re.split(f"[{_UNIT_SIGNS}]", name)[0].strip()
+
+
+def name_before_last_unit(name: str) -> str:
+    """Return a name without a unit that is its last word: `Zeit s` is `Zeit`, `Iq_mA` is `Iq`; a letter
+    behind anything but a blank is an index (`i_s`)."""
+    match = _LAST_WORD.fullmatch(name.strip())
+    is_one = (
+        match is not None and is_unit(match["last"]) and (match["between"] != "_" or len(match["last"]) > 1)
+    )
+    return match["name"] if match is not None and is_one else name
 
 
 def _joined(words: list[str], between: str, unit: str) -> str:

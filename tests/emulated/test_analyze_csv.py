@@ -400,8 +400,9 @@ def test_for_people(invoke: Invoke) -> None:
         (("run", "--csv", "a.csv", "--time", "t", "--current", "I"), 2, "both run and --csv a.csv"),
         (("run", "--time", "t"), 2, "columns and motor go with --csv"),
         (("a.csv", "--time", "t"), 2, "a table of another tool is --csv a.csv"),
-        (("--csv", "a.csv"), 2, "--csv without --time"),
-        (("--csv", "a.csv", "--time", "t"), 2, "--csv without --current, --torque and --speed"),
+        (("--csv", "a.csv"), 2, "or state --rate in Hz (it has 1 't', 2 'I')"),
+        (("--csv", "no.csv"), 2, "--csv without --time"),
+        (("--csv", "a.csv", "--time", "t"), 2, "current, torque or speed (it has 1 't', 2 'I')"),
         (("--csv", "a.csv", "--time", "t", "--angle", "t"), 2, "--csv without --current"),
         (
             ("--csv", "a.csv", "--time", "t", "--torque", "I", "--rated-torque", "-1"),

@@ -65,3 +65,30 @@ def test_factors_of_one_and_settings_are_not(tmp_path: Path) -> None:
     table(tmp_path, "Vertical Scale;2;1\nProbe Attenuation;10;10\nFactor;1;1\nt;I;T\ns;A;Nm\n")
     found = analyze_table(TableQuestion(tmp_path / "table.csv", "t", {"current": "I"}))
     assert RemarkKind.NUMBERS_IN_HEAD not in {each.kind for each in found.remarks}
+
+
+@pytest.mark.parametrize("start", [0, 1])
+@pytest.mark.parametrize(("between", "head"), [(";", "t;I;T\n"), (" ", '"t" "I" "T"\n'), ("\t", "t\tI\tT\n")])
+def test_a_head_without_a_name_for_the_numbers_of_rows(
+    tmp_path: Path, between: str, head: str, start: int
+) -> None:
+    rows = [f'"{number}";{line}' for number, line in enumerate(ROWS.splitlines(), start)]
+    path = tmp_path / "table.csv"
+    path.write_text(head + "\n".join(rows).replace(";", between), encoding="utf-8")
+    found = TextTable.open(path)
+    chosen = [found.select(*each) for each in (("t", "s"), ("I", "A"), ("T", "Nm"))]
+    assert [each.number for each in chosen] == [2, 3, 4]
+    assert len(found.rows(chosen).data) == 64
+
+
+def test_a_head_that_lacks_a_name_above_rows_without_numbers_names_nothing(tmp_path: Path) -> None:
+    with pytest.raises(
+        AnalysisError, match=r"has no column 't', it has no names \(its head 't;I' is not of 3"
+    ):
+        table(tmp_path, "t;I\n").select("t", "s")
+
+
+def test_names_in_quotation_marks_between_blanks(tmp_path: Path) -> None:
+    path = tmp_path / "table.txt"
+    path.write_text('"time s" "phase current" T\n' + ROWS.replace(";", " "), encoding="utf-8")
+    assert TextTable.open(path).select("phase current", "A").number == 2

@@ -225,7 +225,7 @@ def test_rows_that_are_none_are_left_out_and_counted(tmp_path: Path) -> None:
     assert rows.read == 41
 
 
-@pytest.mark.parametrize("cell", ["21.11.2026", "1:30", "1.2.3"])
+@pytest.mark.parametrize("cell", ["21.11.2026", "1:30", "1.2.3", "ungültig"])
 def test_the_first_cell_that_is_no_number_is_named(tmp_path: Path, cell: str) -> None:
     table = TextTable.open(write(tmp_path, "t,I,T\n" + lines(end=f",{cell}")))
     chosen = [table.select("t", "s"), table.select("T", "Nm")]
@@ -404,7 +404,7 @@ def test_numbers_in_the_head_are_no_rows(tmp_path: Path, head: str) -> None:
     [
         *(("I/mA", "I", 1e-3, "A"), ("Iq / mA", "Iq", 1e-3, "A"), ("n/(1/min)", "n", math.pi / 30, "rad/s")),
         *(("n/min-1", "n", math.pi / 30, "rad/s"), ("omega/rad/s", "omega", 1.0, "rad/s")),
-        *(("I/Imax", "I/Imax", 1.0, "A"), ("rad/s", "rad/s", 1.0, "A")),
+        ("rad/s", "rad/s", 1.0, "A"),
     ],
 )
 def test_a_quotient_of_quantity_and_unit(

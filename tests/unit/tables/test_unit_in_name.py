@@ -179,3 +179,41 @@ def test_what_is_electrical_by_its_name_is_told(tmp_path: Path, name: str) -> No
 )
 def test_other_names_are_not(tmp_path: Path, name: str) -> None:
     assert RemarkKind.ELECTRICAL not in remarks(tmp_path, name, "theta [rad]")
+
+
+@pytest.mark.parametrize(
+    ("name", "si_unit", "scale"),
+    [
+        *(("T/Tn", "Nm", "T/Tn"), ("i/i_N", "A", "i/i_N"), ("Iq/Imax", "A", "Iq/Imax")),
+        *(("torque / torque_rated", "Nm", "torque / torque_rated"), ("n/n0", "rad/s", "n/n0")),
+        *(("Ia_dA", "A", "dA"), ("t_cs", "s", "cs"), ("i_dq", "A", ""), ("i_ds", "A", "")),
+        *(("Ia mA/div", "A", "mA/div"), ("Ia_mA_div", "A", "mA_div"), ("CH1 V/div", "A", "V/div")),
+        *(("6077h", "Nm", "6077h"), ("torque_0x6077", "Nm", "0x6077"), ("Iq p.u.", "A", "p.u.")),
+        # paths, and a serial number
+        *(
+            ("motor/i_q", "A", ""),
+            ("motor/main", "A", ""),
+            ("/drive/torque", "Nm", ""),
+            ("M_60770", "Nm", ""),
+        ),
+    ],
+)
+def test_a_scale_that_a_name_may_state_is_asked_for(name: str, si_unit: str, scale: str) -> None:
+    assert unit_in_name(name, si_unit) == ""
+    assert perhaps_in_name(name, si_unit) == scale
+
+
+@pytest.mark.parametrize(
+    ("head", "called"),
+    [
+        *(("Strom A", "Strom"), ("Iq_mA", "Iq"), ("r69[0] Strom U [A]", "r69[0] Strom U")),
+        *(("i_s", "i_s"), ("CH1 (V) [A]", "CH1 (V)")),
+    ],
+)
+def test_a_column_is_called_by_its_name_without_the_unit(tmp_path: Path, head: str, called: str) -> None:
+    assert table(tmp_path, head).select(called, "A").number == 2
+
+
+def test_a_letter_behind_an_underscore_is_an_index(tmp_path: Path) -> None:
+    with pytest.raises(AnalysisError, match="no column 'i'"):
+        table(tmp_path, "i_s").select("i", "A")
