@@ -195,8 +195,8 @@ def show(output: Output, comparison: Comparison) -> None:
         output.sentence(chance, "dim")
     for reason in dict.fromkeys(comparison.not_compared):
         output.sentence(reason, "dim")
-    if comparison.lengths:
-        output.sentence(comparison.lengths, "yellow")
+    for sentence in comparison.unlike:
+        output.sentence(sentence, "yellow")
     prefixed = [(f"{letters[label]}: ", result) for label, result in results.items()]
     show_disagreements(output, prefixed, "runs")
     for label, result in results.items():

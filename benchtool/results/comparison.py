@@ -198,22 +198,25 @@ class Comparison(SideBySide[Assessment]):
         return tuple(dict.fromkeys(late for result in self.results.values() for late in result.overdue))
 
     @property
-    def lengths(self) -> str:
-        """A sentence where the runs were measured over other times than the first; else empty."""
-        lasting = {label: _duration_s(result) for label, result in self.results.items()}
-        first, *others = lasting
-        unlike = [
-            label
-            for label in others
-            if abs(lasting[label] - lasting[first]) > _SAME * max(lasting[label], lasting[first])
-        ]
-        if not unlike:
-            return ""
-        shown = ", ".join(f"{label} over {lasting[label]:.4g} s" for label in (first, *unlike))
-        return (
-            f"Measured over other times: {shown}. A peak-to-peak value grows with the length of a record, "
-            f"and what noise adds to amplitudes and distortions falls."
+    def unlike(self) -> tuple[str, ...]:
+        """A sentence for each condition under which runs were measured unlike the first one."""
+        durations = {label: _greatest(result, "duration_s") for label, result in self.results.items()}
+        rates = {label: _greatest(result, "sample_rate_Hz") for label, result in self.results.items()}
+        found = (
+            (
+                "Measured over other times",
+                _unlike_first(durations, "over", "s"),
+                "A peak-to-peak value grows with the length of a record, and what noise adds to amplitudes "
+                "and distortions falls.",
+            ),
+            (
+                "Sampled at other rates",
+                _unlike_first(rates, "at", "Hz"),
+                "What lies above half the lower rate is in the numbers of one run alone, or is aliased "
+                "there: densities, groups, and peak-to-peak values differ by that too.",
+            ),
         )
+        return tuple(f"{what}: {shown}. {effect}" for what, shown, effect in found if shown)
 
 
 def compare_cases(runs: Mapping[str, Sequence[Assessment]]) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
@@ -297,9 +300,21 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
         )
 
 
-def _duration_s(result: Assessment) -> float:
-    """Return the longest duration of all measurements; 0 if unknown."""
-    return max((each.basis.duration_s or 0.0 for each in result.measurements), default=0.0)
+def _greatest(result: Assessment, of_basis: Literal["duration_s", "sample_rate_Hz"]) -> float:
+    """Return the greatest value of all measurements; 0 if unknown."""
+    return max((getattr(each.basis, of_basis) or 0.0 for each in result.measurements), default=0.0)
+
+
+def _unlike_first(values: Mapping[str, float], preposition: str, unit: str) -> str:
+    """Return the value of the first label and those that differ from it; empty where none does."""
+    first, *others = values
+    unlike = [
+        label
+        for label in others
+        if abs(values[label] - values[first]) > _SAME * max(values[label], values[first])
+    ]
+    shown = (f"{label} {preposition} {values[label]:.5g} {unit}" for label in (first, *unlike))
+    return ", ".join(shown) if unlike else ""
 
 
 def _other_line(one: Measurement, two: Measurement) -> str:

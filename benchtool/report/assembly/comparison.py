@@ -64,7 +64,7 @@ def comparison_report(
         items.append(Text(f"Without a counterpart in the other runs: {', '.join(alone)}.", "warning"))
     for each in comparisons:
         many = len(comparisons) > 1
-        warned = (Text(each.lengths, "warning"),) if each.lengths else ()
+        warned = (Text(sentence, "warning") for sentence in each.unlike)
         late = (Text(f"Overdue: {one}.", "warning") for one in each.overdue)
         circumstances = _circumstances(Differences.of(each))
         body = (*warned, *late, *circumstances, *_measured(each), *_figures(each))

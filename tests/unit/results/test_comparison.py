@@ -260,11 +260,22 @@ def test_runs_of_other_lengths_are_said_to_be() -> None:
         number = Measurement("x", 1.0, "Nm", "", Basis(duration_s=duration_s))
         return Assessment("a", Path("bundle"), (number,), (), {}, {}, BLOCK, None, None)
 
-    said = Comparison.of("", {"demo": lasting(0.52), "same": lasting(0.5201), "long": lasting(2.6)}).lengths
+    (said,) = Comparison.of("", {"demo": lasting(0.52), "same": lasting(0.5201), "long": lasting(2.6)}).unlike
     assert "demo over 0.52 s, long over 2.6 s" in said
     assert "same" not in said
-    assert Comparison.of("", {"one": lasting(0.52), "two": lasting(0.5201)}).lengths == ""
-    assert Comparison.of("", {"one": lasting(None), "two": lasting(None)}).lengths == ""
+    assert Comparison.of("", {"one": lasting(0.52), "two": lasting(0.5201)}).unlike == ()
+    assert Comparison.of("", {"one": lasting(None), "two": lasting(None)}).unlike == ()
+
+
+def test_runs_at_other_rates_are_said_to_be() -> None:
+    def sampled(rate_Hz: float | None) -> Assessment:
+        number = Measurement("x", 1.0, "Nm", "", Basis(sample_rate_Hz=rate_Hz))
+        return Assessment("a", Path("bundle"), (number,), (), {}, {}, BLOCK, None, None)
+
+    runs = {"demo": sampled(10_000.0), "same": sampled(10_001.0), "fast": sampled(20_000.0)}
+    (said,) = Comparison.of("", runs).unlike
+    assert said.startswith("Sampled at other rates: demo at 10000 Hz, fast at 20000 Hz. ")
+    assert "densities" in said
 
 
 def test_a_difference_below_one_is_judged_by_its_sign_and_states_its_degrees_of_freedom() -> None:
@@ -378,7 +389,7 @@ def test_lengths_that_differ_by_a_hundredth_of_the_longer_are_alike(longer_s: fl
         number = Measurement("x", 1.0, "Nm", "", Basis(duration_s=duration_s))
         return replace(result(), measurements=(number,))
 
-    assert bool(Comparison.of("", {"one": lasting(1.0), "two": lasting(longer_s)}).lengths) is is_said
+    assert bool(Comparison.of("", {"one": lasting(1.0), "two": lasting(longer_s)}).unlike) is is_said
 
 
 def test_of_a_shared_error_remains_what_it_moves_one_value_more() -> None:
