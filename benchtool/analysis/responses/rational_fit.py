@@ -149,5 +149,5 @@ def _normal(columns: Complex, values: Complex) -> tuple[Floats, Floats, Floats]:
     size = np.sqrt(np.diagonal(product))
     size = np.where(size > 0.0, size, 1.0)
     product = product / (size[:, np.newaxis] * size)
-    product[np.diag_indices_from(product)] += _RIDGE
+    product.flat[:: len(product) + 1] += _RIDGE  # of the diagonal
     return product, (conjugate @ values).real / size, size
