@@ -28,6 +28,9 @@ _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
+_LAST_DIGIT = (
+    1e-6  # of the strongest line: where samples are everywhere in a period, a smaller step is rounding
+)
 _OF_STEPS = 1.25  # times the power that steps add on average: of one waveform it is another
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
@@ -182,7 +185,7 @@ def repeated_steps(
     level: float | None = None,
 ) -> RepeatedSteps | None:
     """Return the errors of a quantised signal that are the same in every period; None where noise hides them,
-    or a period has no harmonics.
+    or a period has no harmonics, or where samples are everywhere in it and steps a millionth of a line.
 
     Of the measured harmonics 1, 2 ..., peak `phasors` of shape (n,), the waveform takes the strongest, until
     those left out are no more together than the quantisation's own rms: weaker ones may be made by it. Where
@@ -213,6 +216,8 @@ def repeated_steps(
     if turns is not None and points < needed and _stay(turns, points):
         turns = None
     at_same_places = points < needed and turns is None
+    if not at_same_places and not step > _LAST_DIGIT * float(np.max(np.abs(phasors))):
+        return None
     every = 1
     if not at_same_places:
         # of orders 12 and 24 alone a waveform has a period of a twelfth, and so have its errors

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,21 +12,23 @@ _BY_CHANCE = 10.0  # times the mean of the least distance between as many values
 _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
+_ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
+_MOST_PLACES, _OF_A_DIGIT = 10, 1e-4
+_NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 _EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
 _FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
 
 
 def resolution(samples: NDArray[np.float64]) -> float:
-    """Return the smallest nonzero difference between distinct values of samples, shape (n,); 0 if all are the
-    same.
+    """Return the step that samples, shape (n,), are whole numbers of apart; 0 if all are the same.
 
-    The step of a quantised signal; of one that was computed, only the rounding. Of a long record 65536
-    samples, evenly spread, are used.
+    The step of a quantised signal; of one that was computed, 0 or its rounding. It is the least difference
+    of distinct values where those that are few of it apart are whole numbers of it, or where values are too
+    few to tell; else the greatest common divisor of all: rows that are at the same few places in all
+    periods show few of the levels. Of a long record 65536 samples, evenly spread, are used.
     """
-    few = samples[:: max(1, len(samples) // _LOOKED_AT)]
-    steps = np.diff(np.unique(few))
-    return float(np.min(steps)) if len(steps) else 0.0
+    return _step_of(np.unique(_few(samples)))
 
 
 def counting_step(samples: NDArray[np.float64]) -> float:
@@ -33,33 +37,77 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     A smaller step than a hundred-thousandth of the peak-to-peak is the last digit of a number. Of n values
     anywhere the two nearest are peak-to-peak / n^2 apart on average, which is no step either.
     """
-    few = samples[:: max(1, len(samples) // _LOOKED_AT)]
+    few = _few(samples)
     values = np.unique(few)
     if len(values) < 2:
         return 0.0
-    step, span = float(np.min(np.diff(values))), float(values[-1] - values[0])
+    step, span = _step_of(values), float(values[-1] - values[0])
     least = max(_COARSE, _BY_CHANCE / len(few) ** 2) * span
     return step if step > max(least, _SUBNORMAL) else 0.0
 
 
 def step_between(values: NDArray[np.float64], levels: float) -> float:
     """Return the greatest step that rising `values`, shape (n,), are whole numbers of apart; 0 where that is
-    by chance, as of fewer than six values, or as many `levels` are not between the first and the last.
-
-    It is the greatest common divisor, by Euclid's algorithm. Values anywhere have none above rounding.
-    """
+    by chance, as of fewer than six values, or as many `levels` are not between the first and the last."""
     if len(values) < _FEWEST_VALUES:
         return 0.0
     span, rounding = float(values[-1] - values[0]), _ROUNDING * float(np.max(np.abs(values)))
-    least, step = max(_COARSE * span, _SUBNORMAL), 0.0
-    for each in np.sort(np.diff(values)):  # of small ones a common divisor is least rounded
+    step = _divisor(np.diff(values), rounding, max(_COARSE * span, _SUBNORMAL))
+    return step if step < span / levels else 0.0
+
+
+def _few(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    return samples[:: max(1, len(samples) // _LOOKED_AT)]
+
+
+def _step_of(values: NDArray[np.float64]) -> float:
+    """Return the step between rising values, shape (n,); 0 where they have none above rounding."""
+    steps = np.diff(values)
+    if not len(steps):
+        return 0.0
+    step = float(np.min(steps))
+    near = steps[steps < _NEAR * step] / step
+    if len(values) < _FEWEST_VALUES or (
+        len(near) >= _FEWEST_VALUES and float(np.max(np.abs(near - np.round(near)))) < _PART_OF_STEP
+    ):
+        return step
+    if (of_decimals := _decimal_step(values)) > 0.0:
+        return of_decimals
+    largest = float(np.max(np.abs(values)))
+    for rounding in (_ROUNDING_32, _ROUNDING):
+        divisor = _divisor(steps, rounding * largest, max(_ABOVE_ROUNDING * rounding * largest, _SUBNORMAL))
+        if divisor > 0.0:
+            return min(divisor, step)
+    is_32_bit = np.array_equal(values, values.astype(np.float32).astype(np.float64))
+    return float(np.spacing(np.float32(largest))) if is_32_bit else 0.0
+
+
+def _decimal_step(values: NDArray[np.float64]) -> float:
+    """Return the step of rising values, shape (n,), that are decimal numbers of nine places or fewer behind
+    the first digit of the largest, as text has them; 0 where they are not."""
+    first = math.floor(math.log10(float(np.max(np.abs(values)))))
+    for places in range(_MOST_PLACES + 1):
+        scaled = values * 10.0 ** (places - first)
+        whole = np.round(scaled)
+        if float(np.max(np.abs(scaled - whole))) < _OF_A_DIGIT:
+            return float(np.gcd.reduce(np.diff(whole).astype(np.int64))) / 10.0 ** (places - first)
+    return 0.0
+
+
+def _divisor(steps: NDArray[np.float64], rounding: float, least: float) -> float:
+    """Return the greatest common divisor of `steps`, shape (n,), by Euclid's algorithm; 0 where it is less
+    than `least`. Steps of any size have none above their `rounding`."""
+    divisor, together = 0.0, 0.0
+    for each in np.sort(steps):  # of small ones a common divisor is least rounded
         rest = float(each)
         while rest > rounding:
-            step, rest = rest, step % rest
-            rest = 0.0 if step - rest < rounding else rest
-        if step < least:
+            divisor, rest = rest, divisor % rest
+            rest = 0.0 if divisor - rest < rounding else rest
+        if divisor < least:
             return 0.0
-    return step if step < span / levels else 0.0
+        together += float(each)
+        divisor = together / round(together / divisor)  # which all of them round less
+    return divisor
 
 
 def level_of(samples: NDArray[np.float64], step: float) -> float:
@@ -93,7 +141,7 @@ def step_of_even_counts(angle_rad: NDArray[np.float64]) -> float:
     there are none, unless it is back where it was after whole turns. One step between all samples is such an
     angle, too.
     """
-    few = angle_rad[:: max(1, len(angle_rad) // _LOOKED_AT)]
+    few = _few(angle_rad)
     within = np.sort(np.mod(few - few[0], 2 * np.pi))
     values = np.append(within[np.diff(within, prepend=-1.0) > _EQUAL_RAD], 2 * np.pi)
     between = float(np.median(np.abs(np.diff(angle_rad)))) if len(angle_rad) > 1 else 0.0

@@ -30,6 +30,7 @@ _STANDS_OUT, _LINES_ALONE = 5.0, 0.2  # of the noise further away; of what there
 _MOST_UNKNOWNS = 0.7  # of the bins
 _ROUNDS, _STEP = 3, 1e-3  # of the fit; bins
 _ON_BIN = 1e-6
+_ROUNDING = 1e-13  # of a line, by the Fourier transform
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,9 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
 
     The line is interpolated between its two greatest bins (Jain, Collins, Davis, IEEE Trans. Instrum. Meas.
     28 (1979) 113). The noise is that of the bins to both sides, or more where these fall with frequency, as
-    red noise does: then a power law through them is continued to the place. A narrow band of noise is as high
-    on both sides nearby. So are other lines on both sides, as of a speed that swings: those are fitted, all
-    at once, and what they leave is the noise.
+    red noise does: then a power law through them is continued to the place; rounding at least. A narrow band
+    of noise is as high on both sides nearby. So are other lines on both sides, as of a speed that swings:
+    those are fitted, all at once, and what they leave is the noise.
     """
     offset, _ = interpolated(size, place)
     # the Hann window's response at `offset` from the middle of a bin
@@ -62,7 +63,8 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
     )
     if not len(number):
         return Surrounded(place + offset, amplitude, math.nan, math.nan)
-    far = noise = max(float(np.median(size[number])) / RAYLEIGH, _continued(number, size[number], place))
+    by_bins = max(float(np.median(size[number])) / RAYLEIGH, _continued(number, size[number], place))
+    far = noise = max(by_bins, _ROUNDING * amplitude)
     below, above = size[max(1, first - _NEAR) : max(1, first)], size[last : last + _NEAR]
     if len(below) == len(above) == _NEAR:
         nearby = min(float(np.median(below)), float(np.median(above))) / RAYLEIGH

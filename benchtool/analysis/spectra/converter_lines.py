@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, repeated_steps
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
-_LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding
 _MOSTLY = 0.95  # of the places of a converter's levels
 _FOLDED = 4  # multiples of the rate
 _MAIN_LOBE = 2.5  # bins beside a line under a squared Hann window
@@ -27,7 +26,7 @@ def converter_steps(
     `level` a value of the converter, where these are known.
     """
     periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
-    if not step > _LAST_DIGIT * float(np.max(np.abs(lines), initial=0.0)):
+    if not step > 0.0:
         return None
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))

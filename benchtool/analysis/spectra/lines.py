@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
-from benchtool.analysis.quantisation.resolution import counting_step, level_of
+from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.around_lines import (
     BESIDE,
@@ -155,7 +155,7 @@ def sinusoids_of(samples: Floats) -> list[Line]:
     if count < _FEWEST:
         return []
     bins = _windowed(samples)
-    size, step = np.abs(bins), counting_step(samples)
+    size, step = np.abs(bins), resolution(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
     found = _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])

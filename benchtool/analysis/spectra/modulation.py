@@ -32,6 +32,7 @@ _FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
 _ROUNDS = 3
 _FOLLOWS, _FEWEST_THAT_FOLLOW = 4.0, 4  # standard deviations of a correlation; periods
+_ROUNDING = 1e-12  # of the amplitude
 _OF_STEPS = 2.0  # times the rms of what steps make of an amplitude
 _LEAST = 0.3  # of an amplitude, relative to its mean: dividing by less makes much of noise
 
@@ -64,9 +65,10 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
 
 def amplitude_changes(amplitude: Floats, trend: AmplitudeTrend | None, step: float) -> bool:
     """Return whether amplitudes of periods, shape (periods,), follow a `trend` or each other, and differ by
-    more than the `step` of a converter makes them, which turns against the periods, too."""
+    more than rounding and the `step` of a converter make them, which turns against the periods, too."""
     mean = float(np.mean(amplitude))
-    if step > 0.0 and float(np.std(amplitude)) <= _OF_STEPS * mean * float(relative_error(mean / step)):
+    of_steps = _OF_STEPS * float(relative_error(mean / step)) if step > 0.0 else 0.0
+    if float(np.std(amplitude)) <= max(of_steps, _ROUNDING) * mean:
         return False
     is_told = len(amplitude) > _FEWEST_THAT_FOLLOW
     return trend is not None or (is_told and neighbours_alike(amplitude) > _FOLLOWS)

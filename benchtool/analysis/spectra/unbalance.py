@@ -21,7 +21,7 @@ from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quant
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation.resolution import counting_step, level_of
+from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.current import current_of
@@ -232,7 +232,7 @@ def _of_steps(
     """
     square = 0.0
     for part, samples, beside in zip(parts, columns, tones, strict=True):
-        step = counting_step(samples)
+        step = resolution(samples)
         if not step > 0.0:
             continue
         spectrum = spectrum_of(part)

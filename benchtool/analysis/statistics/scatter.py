@@ -73,8 +73,8 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     padded = next_fast_length(2 * count)
     power = np.abs(fft.rfft(deviation, padded)) ** 2
     covariance = fft.irfft(power, padded)[:count] / count
-    if not covariance[0] > 0.0:
-        return MeanError(0.0, math.inf)
+    if not covariance[0] > (_ROUNDING * float(np.max(np.abs(values)))) ** 2:
+        return MeanError(float(np.std(values)), math.inf)
     neighbours = float(covariance[1] / covariance[0])
     tau = _counting_as_one(covariance)
     if neighbours > -_BY_CHANCE / math.sqrt(count):
