@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import analyze_step
-from benchtool.analysis.quantisation.resolution import step_between
+from benchtool.analysis.quantisation.resolution import counting_step, resolution, step_between
 from benchtool.block import Block
 
 
@@ -40,3 +40,34 @@ def test_an_answer_of_few_levels_leaves_a_step_of_the_converter_open() -> None:
     assert mean.uncertainty is not None
     assert 0.9 < mean.uncertainty.standard / (step / math.sqrt(12.0)) < 1.5
     assert abs(mean.value) < 2.0 * mean.uncertainty.standard
+
+
+PLACES = np.cos(2.0 * np.pi * np.arange(20_000) / 200.0 + 0.4) + 0.01 * np.cos(
+    np.pi * np.arange(20_000) / 20.0
+)
+
+
+@pytest.mark.parametrize(
+    ("step", "is_32_bit"), [(0.0117, False), (3.1e-4, False), (2.1e-5, False), (0.0117, True), (3.1e-4, True)]
+)
+def test_few_places_of_a_period_tell_the_step_of_a_converter(step: float, is_32_bit: bool) -> None:
+    read = 0.6 * step + step * np.round(5.0 * PLACES / step)
+    read = read.astype(np.float32).astype(np.float64) if is_32_bit else read
+    assert resolution(read) == pytest.approx(step, rel=1e-3)
+    assert counting_step(read) == (resolution(read) if step > 1e-4 else 0.0)
+
+
+@pytest.mark.parametrize("digits", [3, 6, 9])
+def test_few_places_of_a_period_tell_the_digits_of_a_text(digits: int) -> None:
+    read = np.round(1.5 * PLACES, digits)
+    assert resolution(read) == pytest.approx(10.0**-digits)
+    assert counting_step(read) == (resolution(read) if digits == 3 else 0.0)
+
+
+def test_values_that_were_computed_have_no_step_but_their_rounding() -> None:
+    assert resolution(1.5 * PLACES) < 1e-15
+    assert resolution((1.5 * PLACES).astype(np.float32).astype(np.float64)) == pytest.approx(2.0**-23)
+    assert resolution(np.random.default_rng(0).standard_normal(300)) == 0.0
+    assert counting_step(np.random.default_rng(0).standard_normal(300)) == 0.0
+    assert resolution(np.full(9, 1.5)) == resolution(np.array([])) == 0.0
+    assert resolution(np.array([1.0, 1.0, 1.25, 3.0])) == 0.25
