@@ -14,6 +14,8 @@ FEWEST = 5
 
 _DEGREES_AND_SIZES = ((2, 7), (2, 5), (3, 4))  # for noise, for both, and for what bends fast
 _FEWEST_MISSED = 3
+_LOWEST, _HIGHEST = 4, 10  # orders of the differences that noise is told by
+_CLEARLY_LESS = 0.5  # of a power, by a higher order
 
 
 @dataclass(frozen=True)
@@ -48,15 +50,25 @@ class Continuation:
 def continuation(phase_rad: NDArray[np.float64]) -> Continuation:
     """Return the one that misses the least of phases, shape (n,) with n of at least `FEWEST`, from either
     side."""
-    count = len(phase_rad)
+    count, noise2 = len(phase_rad), _noise2(phase_rad)
     kinds = [each for each in _DEGREES_AND_SIZES if each[1] + _FEWEST_MISSED <= count]
-    found = [_tried(phase_rad, *each) for each in kinds or [(2, min(5, count - 1))]]
+    found = [_tried(phase_rad, *each, noise2) for each in kinds or [(2, min(5, count - 1))]]
     return min(found, key=lambda each: each.missed2)
 
 
-def _tried(phase_rad: NDArray[np.float64], degree: int, size: int) -> Continuation:
-    order = min(4, len(phase_rad) - 1)
-    noise2 = float(np.mean(np.diff(phase_rad, order) ** 2)) / math.comb(2 * order, order)
+def _noise2(phase_rad: NDArray[np.float64]) -> float:
+    """Return the mean square of noise, by differences of the fourth order, or of a higher one where that has
+    clearly less: what swings within few periods is in those of a low order too."""
+    first, noise2 = min(_LOWEST, len(phase_rad) - 1), math.inf
+    for order in range(first, max(first, min(_HIGHEST, len(phase_rad) // 3)) + 1, 2):
+        other2 = float(np.mean(np.diff(phase_rad, order) ** 2)) / math.comb(2 * order, order)
+        if not other2 < _CLEARLY_LESS * noise2:
+            break
+        noise2 = other2
+    return noise2
+
+
+def _tried(phase_rad: NDArray[np.float64], degree: int, size: int, noise2: float) -> Continuation:
     untried = Continuation(degree, size, 0.0, noise2)
     foreseen = untried.weights(1.0)
     missed = [

@@ -28,7 +28,7 @@ from benchtool.analysis.spectra.spectrum import (
     transformable_periods,
 )
 
-_LEFT_RAD = 3e-5  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
+_LEFT_RAD = 3e-6  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _FAR_OFF_RAD = 0.05
 _BY_CHANCE = 1e-4
 _FEWEST_AT_SIDE = 3

@@ -107,7 +107,7 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     ]
     left2 = seen.noise_rad**2
     if track.departure is not None:
-        left2 = going_on.noise2 + _shared2(seen.phase_rad - np.mean(seen.phase_rad))
+        left2 = _shared2(seen.phase_rad - np.mean(seen.phase_rad))
     square = 2.0 * (left2 + within_rad**2)
     square += going_on.error2(before) + going_on.error2(after)
     return ends_rad[1] - ends_rad[0], math.sqrt(square)

@@ -1,0 +1,45 @@
+"""Phases beyond the first and last period: noise, and what bends."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis.periods import track_tone
+from benchtool.analysis.spectra.continuation import continuation
+from benchtool.analysis.spectra.separation import separate
+from benchtool.analysis.spectra.turned_phase import turned_by_tone
+
+RATE_HZ, F_HZ, PERIODS = 10_000.0, 200.0, 60.3
+
+
+def test_a_swing_of_few_periods_is_no_noise() -> None:
+    place = np.arange(100.0)
+    swing_rad = 0.1 * np.sin(2 * np.pi * place / 10.3)
+    found = continuation(swing_rad)
+    bend_rad = math.sqrt(found.missed2)
+    assert found.noise2 < (1e-3 * 0.1) ** 2
+    # a cubic misses the next phase by the fourth difference, the one half a period on by 105 / 384 of that
+    assert math.sqrt(found.error2(0.5)) == pytest.approx(105.0 / 384.0 * bend_rad, rel=1e-2)
+
+
+def test_noise_is_that_of_fourth_differences() -> None:
+    random = np.random.default_rng(5)
+    found = [continuation(1e-3 * random.standard_normal(80)).noise2 for _ in range(40)]
+    assert math.sqrt(float(np.mean(found))) == pytest.approx(1e-3, rel=0.1)
+
+
+def test_noise_of_a_followed_phase_counts_once() -> None:
+    count = round(PERIODS / F_HZ * RATE_HZ)
+    place = np.arange(count) / count
+    theta = 2 * np.pi * PERIODS * (place + 0.01 * (place**2 - place))
+    current = np.cos(theta) + 0.03 * np.cos(5 * theta + 1.0) + 0.02 * np.cos(7 * theta)
+    random, ratios = np.random.default_rng(6), []
+    for _ in range(40):
+        samples = current + 1e-3 * random.standard_normal(count)
+        found = separate(samples, RATE_HZ, track_tone(samples), "i_a", 0.0)
+        seen, beside_rad = found.over_record(RATE_HZ, "i_a")
+        turned = turned_by_tone(found.spectrum, found.track, seen, 0.0, beside_rad)
+        standard = math.hypot(*(each.standard for each in turned.budget))
+        ratios.append((turned.phase_rad - float(theta[-1] - theta[0])) / standard)
+    assert 0.75 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.3
