@@ -21,6 +21,7 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
+_CLEARLY = 6.0  # a ratio of variances
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh)
 
 
@@ -211,12 +212,13 @@ def _content(
     With a line a and noise of mean square n^2 in a bin, its square has the mean a^2 + n^2 and the variance
     2 a^2 n^2 + n^4 (noncentral chi-square of two degrees of freedom: Kendall and Stuart, vol. 2, 24.5).
     """
-    square, own = amplitude[1:] ** 2, errors.noise[1:]
-    noise2 = 2.0 * np.maximum(own, errors.floor[1:]) ** 2
+    square, own2, floor2 = amplitude[1:] ** 2, errors.noise[1:] ** 2, errors.floor[1:] ** 2
+    # of fifty harmonics one has by chance a few times the noise in its few pairs of bins
+    noise2 = 2.0 * np.where(own2 > _CLEARLY * floor2, own2, floor2)
     repeated2, repeated2_apart = errors.power_of_steps
     measured = math.sqrt(float(np.sum(square)))
-    alone2 = float(np.sum(2.0 * errors.floor[1:] ** 2)) + repeated2
-    alone4 = float(np.sum(noise2**2))
+    alone2 = float(np.sum(2.0 * floor2)) + repeated2
+    alone4 = float(np.sum((2.0 * floor2) ** 2))
     # 2 a^2 n^2 + n^4 with a^2 + n^2 as measured, and no less than without any line
     beside2 = 2.0 * float(np.sum(square * noise2))
     if common is not None:

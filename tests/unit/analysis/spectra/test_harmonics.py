@@ -190,3 +190,17 @@ def test_the_noise_of_many_equal_lines_counts_once() -> None:
         error = distortion.ratio - 0.1 * math.sqrt(orders)
         found.append(error / distortion.standard)
     assert 0.75 < float(np.sqrt(np.mean(np.square(found)))) < 1.25
+
+
+def test_noise_alone_that_is_large_by_chance_beside_one_of_many_harmonics_is_none() -> None:
+    # the fourth power of the larger of two estimates, one of them of few bins, is six times that of the noise
+    small, orders, found = 2e-3, 50, []
+    theta_e = rotation(10_000)
+    track = track_angle(np.mod(theta_e, 2 * np.pi), 1)
+    for seed in range(80):
+        random = np.random.default_rng([72, seed])
+        signal = wave(theta_e, [0.0, 0.0, 0.0, small], random.uniform(0, 2 * np.pi, 5))
+        spectrum = coherent_spectrum(signal + 2e-2 * random.standard_normal(len(theta_e)), RATE_HZ, track)
+        distortion = total_harmonic_distortion(spectrum, orders)
+        found.append((distortion.corrected - small) / distortion.corrected_standard)
+    assert 0.72 < float(np.sqrt(np.mean(np.square(found)))) < 1.2
