@@ -78,7 +78,7 @@ class Stepped:
     `drift` is that over a second, relative to the step.
 
     The step comes up to a sample before the one that first shows it or, where a drive holds the reference
-    from tick to tick, with it.
+    from tick to tick, with it; which the analysis is told, unless that is `untold`.
     """
 
     lag: Lag
@@ -90,6 +90,7 @@ class Stepped:
     height: float = 1.0
     duration_s: float = 0.2
     held: bool = False
+    untold: bool = False
     drift: float = 0.0
     kind: Kind = "white"
     ripple: tuple[float, float] = (0.0, 0.0)  # relative to the step, Hz
@@ -150,7 +151,7 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[
     )
     fine_s = np.linspace(0.0, what.duration_s, 400_001)
     yield from selected(
-        analyze_step(block, "y", "r", held=what.held).measurements,
+        analyze_step(block, "y", "r", held=what.held and not what.untold).measurements,
         _truths(what, fine_s, answer(fine_s), reference),
     )
 
@@ -328,6 +329,7 @@ STEPPED: Mapping[str, Stepped] = {
     "ramp_kinked": Stepped(Lag(200.0, 0.9), 1e-3, rise_s=0.03),
     "ramp_noisy": Stepped(_FIRST, 5e-2, rise_s=0.03),
     "step_held": Stepped(_SECOND, 1e-3, held=True),
+    "step_with_its_row": Stepped(Lag(50.0), 3e-3, held=True, untold=True),
     "step_held_lag1": Stepped(_FIRST, 1e-2, held=True),
     "step_held_coloured": Stepped(_SOFT, 3e-3, 0.9, held=True),
     **{

@@ -51,8 +51,7 @@ def departure(step: Step, curve: NoisyCurve) -> Instant | None:
     if near is None or middle is None or last is None:
         return None
     levels = least / height, *between
-    # nothing answers before its step
-    start = max(min(near.place, 0.0), float(_start(levels, near.place, middle.place, last.place)))
+    start = float(_start(levels, near.place, middle.place, last.place))
     return near.moved(start, _start(levels, near.places, middle.places, last.places))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity, UnitOf
-from benchtool.analysis.distributions import above_zero, equally_likely
+from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.statistics.scatter import means_of_parts
@@ -46,9 +46,6 @@ _SHOWN = 2.0  # likewise, of a peak that noise hardly makes
 _BLUNTED, _OF_BLUNTED = 0.5, 0.8  # of what a longer window does to a peak; rms of the rest, -1/4 to 3/2
 _OF_SAMPLES = "plateau_", "tracking_error_"  # what the samples are, whatever moves them
 _FEWEST_SAMPLES = 20  # whose scatter says something
-_FAR_BELOW = 5.0  # standard uncertainties: what is left of the distribution is an exponential one
-_MIDDLES = (np.arange(64) + 0.5) / 64  # of parts of a probability
-_NORMAL = np.array(equally_likely(64))
 _ROUNDING = 1e-7  # of the step: a smaller overshoot is rounding
 
 
@@ -214,23 +211,18 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
     """Return a time from the step to an instant."""
     if found is not None:
-        found = _after(found.place - step.zero, found.standard, step.zero_error)
-    of_step = ", and when since the row before its own the step was made" if step.zero_error else ""
+        since = found.place - step.zero + step.earlier
+        found = _after(since, math.hypot(found.standard, step.earlier))
+    of_step = ", and when since the row before its own the step was made" if step.earlier else ""
     return _interval(step, name, definition, found, reason, of_step)
 
 
-def _after(since: float, standard: float, zero_error: float) -> Instant:
-    """Return a time since a step that was anywhere up to sqrt(3) times `zero_error` before.
-
-    It is not negative: its uncertainty is its rms deviation from what is given over those instants at which
-    it is none (as JCGM 106:2012, A.4.4, of prior knowledge).
-    """
-    given, earlier = max(0.0, since), math.sqrt(3.0) * zero_error
-    apart = since + earlier * _MIDDLES[:, np.newaxis] + standard * _NORMAL
-    possible = apart[apart >= 0.0]
-    if not math.isfinite(standard) or since > _FAR_BELOW * standard or not len(possible):
-        return Instant(given, math.hypot(standard, zero_error))
-    return Instant(given, float(np.sqrt(np.mean((possible - given) ** 2))))
+def _after(since: float, standard: float) -> Instant:
+    """Return a time since a step, which is not negative: the median of the part of its distribution that is
+    possible, with its rms deviation from that."""
+    if not math.isfinite(standard):
+        return Instant(max(0.0, since), standard)
+    return Instant(*above_zero(since, standard))
 
 
 def _interval(

@@ -39,7 +39,7 @@ _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
 _FIRST_PEAKS = 20  # rows from a step on
-_WITHIN = 1.0 / math.sqrt(3.0)  # rms of anywhere within a row before
+_EARLIER = 1.0 / 3.0  # rows: of many ticks
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class Step:
     """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its `begin` on.
 
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
-    the way. `zero` is the instant of that, in samples from `begin`, and `zero_error` its standard
-    uncertainty. `before`, `greatest` and `final` are levels of the reference, the last of its `tail` rows;
-    `greatest_error` and `final_error` are the standard uncertainties that its noise leaves in these, and
-    `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are no draws. `y_clear` is the
-    signal without its `clicks` samples that are far from their neighbours, `y_before` the same up to the
-    step, `r_before` the reference until then, and `y_noise` the noise at rest. `shown_late` is for how long
-    after a row it is shown at most, in rows.
+    the way. `zero` is the instant of that, in samples from `begin`; the step is taken to be so much `earlier`,
+    which is its standard uncertainty as well. `before`, `greatest` and `final` are levels of the reference,
+    the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties that its
+    noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are
+    no draws. `y_clear` is the signal without its `clicks` samples that are far from their neighbours,
+    `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the noise at rest.
+    `shown_late` is for how long after a row it is shown at most, in rows.
     """
 
     y: Floats
@@ -68,7 +68,7 @@ class Step:
     begin: int
     row: int
     zero: float
-    zero_error: float
+    earlier: float
     before: float
     greatest: float
     greatest_error: float
@@ -127,9 +127,10 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
 
     The step is where the reference first leaves its first value by half of its greatest excursion, so that
     a ramp counts from its middle: between two samples if it is on its way in both, otherwise at its row. The
-    record does not show when between two rows a step was made: anywhere within the row before, of which the
-    root mean square is 0.58 rows. A reference that is `held`, as a drive holds its own from tick to tick,
-    changes at one of the ticks since the row before: at its row exactly where each tick is a row. A reference
+    record does not show whether a step was made at its row or anywhere within the row before: a third of a
+    row before it is off by a third of a row rms in both cases. A reference that is `held`, as a drive holds
+    its own from tick to tick, changes at one of the ticks since the row before: at its row exactly where each
+    tick is a row. A reference
     that falls back after a while is a pulse and allowed. Of a signal that is held for several rows one sample
     of each is taken.
 
@@ -155,7 +156,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     before = float(r[0])
     _require_one_step(r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
-    zero_error = _within(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
+    earlier = _earlier(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
     held_rows, first = even_hold(y)
     y, r = y[first::held_rows], r[first::held_rows]
     instant = (begin + zero - first) / held_rows
@@ -187,7 +188,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         begin=begin,
         row=row,
         zero=instant - begin,
-        zero_error=zero_error / held_rows,
+        earlier=earlier / held_rows,
         before=before,
         greatest=greatest,
         greatest_error=greatest_error,
@@ -229,10 +230,17 @@ def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, fl
     return smooth, greatest, noise.of_mean(int(np.count_nonzero(near))), left
 
 
-def _within(block: Block, *, held: bool) -> float:
-    """Return the rms of how far before its row a step may be, in rows."""
+def _earlier(block: Block, *, held: bool) -> float:
+    """Return by how much before its row a step is taken to be, and the standard uncertainty of that, in rows.
+
+    The recorder may run with the steps, which are at their row then, or not, and they are at any of the ticks
+    since the row before: the rms distance from E(v^2) / (2 E(v)) before the row, v evenly distributed over
+    these, is as much in either case.
+    """
     ticks = block.stride
-    return math.sqrt((ticks - 1.0) * (ticks - 0.5) / 3.0) / ticks if held else _WITHIN
+    if not held:
+        return _EARLIER
+    return (2.0 * ticks - 1.0) / (6.0 * ticks) if ticks > 1 else 0.0
 
 
 def _step_row(reference: Floats, name: str) -> int:

@@ -23,7 +23,7 @@ def _block(y: NDArray[np.float64], r: NDArray[np.float64]) -> Block:
 
 
 def _measured(y: NDArray[np.float64], r: NDArray[np.float64]) -> dict[str, float]:
-    response = analyze_step(_block(y, r), "torque", "torque_reference")
+    response = analyze_step(_block(y, r), "torque", "torque_reference", held=True)
     return {each.name: each.value for each in response.measurements}
 
 
@@ -92,7 +92,7 @@ def _noisy(height: float, rms: float, seed: int = 0, rows: int = 5000) -> tuple[
     return y + rms * np.random.default_rng(seed).standard_normal(rows), r
 
 
-@given(st.integers(1, 30))
+@given(st.integers(3, 30))
 def test_step_latency_ends_between_the_samples_of_the_first_movement(rows: int) -> None:
     r = _step(0.0, 1.0)
     (found,) = (
@@ -102,16 +102,51 @@ def test_step_latency_ends_between_the_samples_of_the_first_movement(rows: int) 
         ).measurements
         if each.name == "step_latency"
     )
-    assert found.value == pytest.approx((rows - 0.5) / RATE_HZ)
+    assert found.value == pytest.approx((rows - 0.5 + 1 / 3) / RATE_HZ)
     assert found.uncertainty is not None
-    # between two samples the signal moved, and between two the reference
+    # between two samples the signal moved, and between two or at its row the reference
     assert found.uncertainty.standard == pytest.approx(
-        math.hypot(1.0 / math.sqrt(12.0), 1.0 / math.sqrt(3.0)) / RATE_HZ, rel=0.05
+        math.hypot(1.0 / math.sqrt(12.0), 1.0 / 3.0) / RATE_HZ, rel=0.05
     )
 
 
-def test_a_signal_that_moves_with_its_reference_has_no_step_latency() -> None:
-    assert _measured(_step(0.0, 1.0), _step(0.0, 1.0))["step_latency"] == 0.0
+@pytest.mark.parametrize("held", [True, False])
+def test_a_signal_that_moves_with_its_reference_has_hardly_a_step_latency(held: bool) -> None:
+    block = _block(_step(0.0, 1.0), _step(0.0, 1.0))
+    for each in analyze_step(block, "torque", "torque_reference", held=held).measurements:
+        if each.name == "step_latency":
+            assert each.uncertainty is not None
+            assert 0.0 < each.value <= each.uncertainty.standard < 0.4 / RATE_HZ
+
+
+@pytest.mark.parametrize("with_its_row", [True, False])
+def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> None:
+    """Be the steps made with the rows that show them or, at random, before."""
+    random, tau, found = np.random.default_rng(4), 20.0, []
+    for _ in range(60):
+        since = np.arange(1000) - 100 + (0.0 if with_its_row else random.uniform())
+        y = 1.0 - np.exp(-np.maximum(since, 0.0) / tau)
+        for each in analyze_step(_block(y, _step(0.0, 1.0)), "torque", "torque_reference").measurements:
+            if each.name == "reach_time":
+                assert each.uncertainty is not None
+                off = each.value * RATE_HZ - tau * math.log(50.0)
+                found.append(off / (each.uncertainty.standard * RATE_HZ))
+    assert math.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.4, 1.2])
+def test_a_latency_near_the_least_that_is_possible_is_as_uncertain_as_it_is_off(late: float) -> None:
+    random, found = np.random.default_rng(5), []
+    for _ in range(60):
+        since = np.arange(1500) - 100 + random.uniform() - late
+        y = 1.0 - np.exp(-np.maximum(since, 0.0) / 20.0) + 0.02 * random.standard_normal(1500)
+        block = _block(y, _step(0.0, 1.0, rows=1500))
+        for each in analyze_step(block, "torque", "torque_reference").measurements:
+            if each.name == "step_latency" and each.uncertainty is not None:
+                truth = late - 20.0 * math.log(0.98)
+                off = each.value * RATE_HZ - truth
+                found.append(off / (each.uncertainty.standard * RATE_HZ))
+    assert 0.6 < math.sqrt(np.mean(np.square(found))) < 1.3
 
 
 @pytest.mark.slow
@@ -281,12 +316,9 @@ def test_a_signal_along_a_slow_ramp_rises_with_it_and_has_no_step_latency() -> N
     }
     assert math.isnan(by_name["step_latency"].value)
     assert by_name["step_latency"].reason == "it moves before the reference has come half the way"
-    by_name = {
-        each.name: each
-        for each in analyze_step(_block(y - 0.5, ramp), "torque", "torque_reference").measurements
-    }
-    assert by_name["rise_time"].value == pytest.approx(160 / RATE_HZ)
-    assert by_name["reach_time"].value == pytest.approx((0.98 * 200 + 3 - 100) / RATE_HZ)
+    found = _measured(y - 0.5, ramp)
+    assert found["rise_time"] == pytest.approx(160 / RATE_HZ)
+    assert found["reach_time"] == pytest.approx((0.98 * 200 + 3 - 100) / RATE_HZ)
 
 
 @pytest.mark.parametrize("rows", [4.0, 7.3, 51.9])
