@@ -47,11 +47,11 @@ class Step:
     """A step as if it went upwards: signal `y` and reference `r` are times `sign`, from its `begin` on.
 
     `begin` is the row in which the reference leaves its first level, `row` the one in which it has come half
-    the way. `zero` is the instant of that, in samples from `begin`; the step is taken to be so much `earlier`,
-    which is its standard uncertainty as well. `before`, `greatest` and `final` are levels of the reference,
-    the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties that its
-    noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise there are
-    no draws. `y_clear` is the signal without its `clicks` samples that are far from their neighbours,
+    the way. `zero` is the instant of that, in samples from `begin`; the step is taken to be so much
+    `earlier`, which is its standard uncertainty as well. `before`, `greatest` and `final` are levels of the
+    reference, the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties
+    that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
+    there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their neighbours,
     `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the noise at rest.
     `shown_late` is for how long after a row it is shown at most, in rows.
     """
