@@ -51,9 +51,9 @@ class Step:
     `earlier`, which is its standard uncertainty as well. `before`, `greatest` and `final` are levels of the
     reference, the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties
     that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
-    there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their neighbours,
-    `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the noise at rest.
-    `shown_late` is for how long after a row it is shown at most, in rows.
+    there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their
+    neighbours, `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the
+    noise at rest. `shown_late` is for how long after a row it is shown at most, in rows.
     """
 
     y: Floats
