@@ -288,11 +288,14 @@ def means_of_blocks(
     Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
     """
     count = len(samples)
+    length = float(count) if length is None else length
+    if count <= blocks:
+        if length == count:
+            return samples
+        # over a part of a row more, harmonics leak beside themselves
+        blocks = math.floor(length)
     if 0 < periods <= blocks:
         blocks -= blocks % periods
-    if count <= blocks:
-        return samples
-    length = float(count) if length is None else length
     size = length / blocks
     edges = size * np.arange(1, blocks)
     rows = edges.astype(np.int64)

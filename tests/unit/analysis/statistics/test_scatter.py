@@ -16,6 +16,7 @@ from benchtool.analysis.statistics.scatter import (
     error_of_root,
     error_of_series,
     is_memory_untold,
+    means_of_blocks,
 )
 
 
@@ -54,6 +55,19 @@ def test_a_mean_under_flicker_noise_is_known_less_than_its_parts_say() -> None:
 def test_the_mean_of_a_trend_is_not_known_to_less_than_the_trend() -> None:
     trend = np.linspace(-1.0, 1.0, 4000) + 1e-3 * np.random.default_rng(4).standard_normal(4000)
     assert not error_of_record(trend).standard < 0.5
+
+
+@pytest.mark.parametrize("length", [2000.01, 2000.5, 2000.99])
+def test_harmonics_of_few_rows_do_not_leak_over_a_part_of_a_row(length: float) -> None:
+    """Four periods that end within the last of 2001 rows, without noise."""
+    turned = 2.0 * np.pi * 4.0 * np.arange(2001) / length
+    ripple = np.cos(3.0 * turned + 1.1) + 2.0 * np.cos(6.0 * turned + 0.3)
+
+    def beside(values: np.ndarray) -> float:
+        bins = np.abs(np.fft.rfft(values - np.mean(values))) / len(values)
+        return float(np.max(bins[1:4]))
+
+    assert beside(means_of_blocks(ripple, 4, length=length)) < 0.02 * beside(ripple) < 1e-4
 
 
 def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() -> None:
