@@ -168,7 +168,7 @@ SECTIONS: Final = (
         "What a stated uncertainty is, and the random records by which it is checked (`python -m "
         "benchmarks.coverage`).",
         """
-        0012 0034 0045 0234 0352 0292 0406
+        0012 0034 0045 0234 0352 0433 0292 0406
         0036 0043 0067 0126 0161 0164 0275 0332
         """,
     ),

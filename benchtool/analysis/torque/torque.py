@@ -154,9 +154,10 @@ _NUMBERS: Final = (
         "Nm",
         "sqrt(mean((x - mean(x))^2) - q^2 / 12) in steps of q, of few steps the mean square that they add to "
         "signals that would be read alike in place of q^2 / 12; less the same as of the mean",
-        "likewise of the periods' mean squares, over 2 rms, times 1 + its share of them (mean squares that "
-        "are low by chance scatter little); u(mean)^2 / (2 rms), by noise that moves the "
-        "mean in place of the rms (none where u(mean) is not known)",
+        "likewise of the periods' mean squares, over 2 rms, times 1 + half of the skewness of their mean, "
+        "twice its share of them at least (mean squares that are low by chance scatter little); "
+        "u(mean)^2 / (2 rms), by noise that moves the mean in place of the rms (none where u(mean) is not "
+        "known)",
     ),
     (
         ("ripple_percentile_range",),

@@ -168,3 +168,15 @@ def test_the_root_of_few_squares_is_known_as_well_as_other_records_differ(count:
     errors = (roots - 1.0) / np.array(stated)
     assert 0.75 < float(np.sqrt(np.mean(errors**2))) < 1.15
     assert np.mean(np.abs(errors) < 2.0) > 0.93
+
+
+def test_a_root_of_squares_that_few_clicks_make_is_as_far_from_the_truth_as_is_stated() -> None:
+    """Compound Poisson sums of clicks of normal height, beside a power that is always the same."""
+    random, count = np.random.default_rng(8), 40
+    clicks = random.poisson(0.5, (600, count))
+    squares = 30.0 + random.chisquare(np.maximum(clicks, 1)) * (clicks > 0)
+    roots = np.sqrt(np.mean(squares, axis=1))
+    stated = [error_of_root(each, float(root)).standard for each, root in zip(squares, roots, strict=True)]
+    errors = (roots - math.sqrt(30.5)) / np.array(stated)
+    assert float(np.sqrt(np.mean(errors**2))) < 1.25
+    assert np.mean(np.abs(errors) < 2.0) > 0.92
