@@ -19,6 +19,7 @@ from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution
 
 _LESS_THAN_A_COUNT = 1.0 - 1e-6
+_COMPUTED_RAD = 1e-8  # noise of an angle that no sensor has
 _BLOCKS, _FEWEST_IN_BLOCK = 128, 3
 _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
@@ -47,7 +48,10 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
     if track.departure is not None:
         found = _by_ends(track, measured_rad, seen)
     else:
-        found = _by_course(track, smooth_rad, measured_rad)
+        found = _by_ends(track, measured_rad, seen)
+        # slow noise is more than it seems in few rows: ends are better of an angle that was computed alone
+        if track.resolution_rad > 0.0 or found.standard > _COMPUTED_RAD:
+            found = _by_course(track, smooth_rad, measured_rad)
         if not _shows_turns(track):  # nothing is seen to repeat: all of the course may be the sensor's
             may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
     half_rad = _HALF * may_be_rad
@@ -69,7 +73,7 @@ def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: 
     first = np.round(edges).astype(np.int64)
     along_rad = np.add.reduceat(angle_rad[: first[-1]], first[:-1]) / np.diff(first)
     half_rad = _HALF * track.periods * steady_departure(seen.phase_rad - along_rad, seen.amplitude)
-    if not _HALF * _BEYOND * math.hypot(*(each.standard for each in turned.budget)) < abs(half_rad):
+    if not _HALF * _BEYOND * turned.standard < abs(half_rad):
         return turned
     line = Contribution("steady departure of the signal from the angle", "B", abs(half_rad))
     return Turned(turned.phase_rad + half_rad, (*turned.budget, line), f"{turned.source}, and {line.name}")
@@ -135,8 +139,11 @@ def _by_course(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> T
     """
     left_rad = measured_rad - smooth_rad
     parts = min(_BLOCKS, track.samples // _FEWEST_IN_BLOCK)
-    edges = np.linspace(0, track.samples, parts + 1).astype(np.int64)
-    means = np.add.reduceat(left_rad, edges[:-1]) / np.diff(edges)
+    # equally long, from the first row to the last: a row more or less is where the course is another
+    last = track.samples - 1
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * (left_rad[1:] + left_rad[:-1]))])
+    edges = np.linspace(0.0, last, parts + 1)
+    means = np.diff(np.interp(edges, np.arange(track.samples), sums)) * (parts / last)
     course = change_over_record(means)
     source = "course of the angle about a steady rise"
     budget = [Contribution(source, "A", course.standard, course.dof)]

@@ -37,6 +37,11 @@ class Turned:
     budget: tuple[Contribution, ...]
     source: str
 
+    @property
+    def standard(self) -> float:
+        """Combined standard uncertainty, rad."""
+        return math.hypot(*(each.standard for each in self.budget))
+
 
 def turned_by_tone(
     spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, step: float, beside_rad: float
