@@ -116,6 +116,10 @@ DISTURBANCES: Mapping[str, Disturbance] = {
         angle=False),
     "settling": replace(_DRIFT, settling=(0.04, 0.15), noise=1e-3),
     "settling_no_angle": replace(_DRIFT, settling=(0.03, 0.2), noise=1e-3, angle=False),
+    "settling_little": replace(_QUIET, settling=(-2.4e-3, 0.78), noise=1e-2, periods=9.1),
+    "settling_hidden_no_angle": replace(
+        _QUIET, settling=(1.1e-3, 0.15), bits=7, noise=1e-4, periods=16.6, angle=False
+    ),
     "settling_fast_no_angle": replace(_QUIET, settling=(0.05, 0.06), periods=50.4, angle=False),
     "speed_walk": replace(_DRIFT, speed_walk=0.004, noise=1e-3, counts=10_000),
     "speed_walk_no_angle": replace(_DRIFT, speed_walk=0.004, noise=1e-3, angle=False),

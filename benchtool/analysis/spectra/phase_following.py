@@ -30,7 +30,7 @@ from benchtool.analysis.spectra.spectrum import (
 
 _LEFT_RAD = 3e-6  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _FAR_OFF_RAD = 0.05
-_BY_CHANCE = 1e-4
+_BY_CHANCE, _DOUBTED = 1e-4, 0.05
 _FEWEST_AT_SIDE = 3
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
 _BEYOND = 3  # periods: to where an end of the record may be, and one to spare
@@ -42,6 +42,7 @@ _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it i
 _BELOW_ORDER = 3
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
+_STEADY, _SLOWEST = 2, 4  # terms of a steady rise, and of the courses beside it that are looked at
 _OF_NOISE = 0.35  # relative deviation of amplitudes, which of noise alone have Rayleigh's, 0.52
 _UNRELATED, _MOST_OF_NOISE = 2.5, 0.5  # standard deviations of a correlation; the most of few periods
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
@@ -58,7 +59,8 @@ class Wander:
     else 0: no smooth track explains it. `jumps_alone` says that amplitude and frequency are the same on both
     sides of it, `by_angle` that the track is that of an angle. `of_angle`, shape (harmonics,), is the
     standard uncertainty of each amplitude by what a measured angle does in every period alike, which may be
-    the rotor's or an error of its sensor; empty where there is no such doubt.
+    the rotor's or an error of its sensor; empty where there is no such doubt. The phase `is_doubted`
+    where there is no excess, but noise alone does as much once in twenty records at most.
     """
 
     phase_rad: NDArray[np.float64]
@@ -70,6 +72,7 @@ class Wander:
     by_angle: bool = False
     of_angle: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     undecided_rad: float = 0.0
+    is_doubted: bool = False
 
     def first(self, periods: int) -> Wander:
         """Return that of so many periods."""
@@ -94,14 +97,10 @@ def wander(coherent: CoherentSamples) -> Wander:
     if of_amplitude > _OF_NOISE**2 and _are_unrelated(phasor):
         return Wander(phase_rad, amplitude, 0.0, math.sqrt(of_amplitude))
     freedom = len(phasor) - 1
-    excess = 0.0
-    ratio = of_phase / of_amplitude if of_amplitude > 0.0 else math.inf
-    if (
-        freedom + 1 >= _FEWEST_PERIODS
-        and of_phase > 0.0
-        and fisher_above(freedom, freedom, ratio) < _BY_CHANCE
-    ):
-        excess = math.sqrt(of_phase - of_amplitude)
+    excess, by_chance = 0.0, 1.0
+    if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude:
+        by_chance = _by_chance(phase_rad, of_amplitude)
+        excess = math.sqrt(of_phase - of_amplitude) if by_chance < _BY_CHANCE else 0.0
     jump_rad = _jump_rad(steps)
     return Wander(
         phase_rad,
@@ -110,7 +109,28 @@ def wander(coherent: CoherentSamples) -> Wander:
         math.sqrt(of_amplitude),
         jump_rad,
         jump_rad > 0.0 and _jumps_alone(steps, amplitude),
+        is_doubted=_BY_CHANCE <= by_chance < _DOUBTED,
     )
+
+
+def _by_chance(phase_rad: NDArray[np.float64], of_amplitude: float) -> float:
+    """Return the probability with which noise that does `of_amplitude` to amplitudes, the relative variance
+    of as many, does as much to phases, shape (n,): to all of them, or to the slowest of their courses, in
+    which a speed that settles or drifts is."""
+    if not of_amplitude > 0.0:
+        return 0.0
+    freedom, slow = len(phase_rad) - 1, _slowest(phase_rad)
+    of_all = fisher_above(freedom, freedom, float(np.var(phase_rad)) / of_amplitude)
+    return min(of_all, fisher_above(len(slow), freedom, float(np.mean(slow**2)) / of_amplitude))
+
+
+def _slowest(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the sizes of the slowest courses in values, shape (n,), but for a steady rise, each with the
+    variance of these where they are white: those of a polynomial, from its square on."""
+    degrees = min(_STEADY + _SLOWEST, len(values) - 1)
+    place = np.linspace(-1.0, 1.0, len(values))
+    basis = np.linalg.qr(np.polynomial.legendre.legvander(place, degrees - 1))[0]
+    return np.asarray(values @ basis[:, _STEADY:])
 
 
 def _are_unrelated(phasor: NDArray[np.complex128]) -> bool:

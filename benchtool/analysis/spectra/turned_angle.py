@@ -19,7 +19,7 @@ from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution
 
 _LESS_THAN_A_COUNT = 1.0 - 1e-6
-_COMPUTED_RAD = 1e-8  # noise of an angle that no sensor has
+_COMPUTED_RAD = 1e-7  # noise of an angle that no sensor has
 _BLOCKS, _FEWEST_IN_BLOCK = 128, 3
 _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
@@ -48,12 +48,13 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
     if track.departure is not None:
         found = _by_ends(track, measured_rad, seen)
     else:
-        found = _by_ends(track, measured_rad, seen)
-        # slow noise is more than it seems in few rows: ends are better of an angle that was computed alone
-        if track.resolution_rad > 0.0 or found.standard > _COMPUTED_RAD:
-            found = _by_course(track, smooth_rad, measured_rad)
+        found = _by_course(track, smooth_rad, measured_rad)
         if not _shows_turns(track):  # nothing is seen to repeat: all of the course may be the sensor's
             may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
+        elif not track.resolution_rad > 0.0:
+            # slow noise is more than it seems in few rows: ends are better of a computed angle alone
+            by_ends = _by_ends(track, measured_rad, seen)
+            found = by_ends if by_ends.standard < _COMPUTED_RAD else found
     half_rad = _HALF * may_be_rad
     of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
     turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)

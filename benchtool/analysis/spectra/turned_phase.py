@@ -67,7 +67,12 @@ def turned_by_tone(
         folded_rad = float(aliased_quantisation(spectrum, step)[0]) / spectrum.fundamental
         of_steps = 2.0 * math.pi * _OF_FOLDED * folded_rad
         lines.append(Contribution("steps that fold to beside the fundamental", "B", of_steps))
-    return Turned(2.0 * math.pi * track.periods, (*lines, beside), source)
+    turned_rad = 2.0 * math.pi * track.periods
+    if seen.is_doubted and len(seen.phase_rad) >= FEWEST:  # halfway between a steady speed and what is seen
+        half_rad = 0.5 * (_to_both_ends(track, seen)[0] - turned_rad)
+        lines.append(Contribution("a change of the speed that noise may hide", "B", abs(half_rad)))
+        turned_rad += half_rad
+    return Turned(turned_rad, (*lines, beside), source)
 
 
 def left_at_ends_rad(seen: Wander) -> float:
