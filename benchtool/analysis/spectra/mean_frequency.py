@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -47,9 +48,12 @@ def frequency(
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
-    turned = (
-        turned_by_tone(spectrum, track, seen, step, beside_rad) if by_tone else turned_by_angle(track, seen)
-    )
+    of_tone = partial(turned_by_tone, spectrum, track, seen, step, beside_rad)
+    if by_tone:
+        turned = of_tone()
+    else:
+        is_told = not reason and len(seen.phase_rad) >= FEWEST
+        turned = turned_by_angle(track, seen, of_tone() if is_told else None)
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
     clock = ", and of the rate by the time stamps"
     if rate_relative is None:

@@ -30,8 +30,12 @@ _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard devia
 Floats = NDArray[np.float64]
 
 
-def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
+def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = None) -> Turned:
     """Return the phase of the measured angle of a track, of which the signal departs by what was `seen`.
+
+    Counts tell a constant speed that is nearly a simple ratio of them to the rows less well than others: the
+    same few places of a count pass all over the record. Where the signal's own phase, `by_tone`, agrees with
+    them, it counts by its variance.
 
     Raises:
         ValueError: the track has no measured angle.
@@ -41,7 +45,8 @@ def turned_by_angle(track: PhaseTrack, seen: Wander) -> Turned:
     smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
     if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
         line_rad = np.linspace(0.0, counted.phase_rad, track.samples)
-        return _with_departure(counted, track, seen, line_rad - smooth_rad)
+        found = _with_departure(counted, track, seen, line_rad - smooth_rad)
+        return found if by_tone is None or found is not counted else counted.with_other(by_tone)
     repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
     measured_rad = track.measured_rad - repeated_rad
     may_be_rad = float(repeated_rad[-1] - repeated_rad[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ is sqrt(12)."""
 _OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin away, of any phase
 _LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _AT_ENDS = 4  # periods
+_AGREE = 3.0  # standard uncertainties of a difference
 # of a bend: a mean over a period is a 24th off its middle, and half of that is left
 _WITHIN = 1.0 / 48.0
 
@@ -39,8 +40,19 @@ class Turned:
 
     @property
     def standard(self) -> float:
-        """Combined standard uncertainty, rad."""
+        """The standard uncertainty, rad."""
         return math.hypot(*(each.standard for each in self.budget))
+
+    def with_other(self, other: Turned) -> Turned:
+        """Return the mean of this and another measurement of it, weighted by their variances; this alone
+        where they differ by more than chance."""
+        apart_rad, both = other.phase_rad - self.phase_rad, math.hypot(self.standard, other.standard)
+        if not abs(apart_rad) < _AGREE * both < math.inf:
+            return self
+        share = (self.standard / both) ** 2
+        budget = [replace(each, standard=(1.0 - share) * each.standard) for each in self.budget]
+        budget += [replace(each, standard=share * each.standard) for each in other.budget]
+        return Turned(self.phase_rad + share * apart_rad, tuple(budget), f"{self.source}, and {other.source}")
 
 
 def turned_by_tone(

@@ -1,0 +1,44 @@
+"""Mean frequency by an angle in counts and by the signal at once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis.spectra.turned_phase import Turned
+from benchtool.analysis.uncertainty import Contribution
+from benchtool.block import Block
+
+RATE_HZ, COUNTS, POLE_PAIRS = 10_000.0, 1000, 4
+
+
+def test_counts_that_repeat_all_over_the_record_leave_the_frequency_to_the_signal() -> None:
+    # half a count a row but for a hundred thousandth: two places of a count are all that the rows see
+    random, ratios = np.random.default_rng(81), []
+    for _ in range(20):
+        f_Hz = 20.0 * (1.0 + 1e-5 * random.standard_normal())
+        theta = 2 * np.pi * (f_Hz * np.arange(10_000) / RATE_HZ + random.uniform())
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
+        count = 2 * np.pi / COUNTS
+        angle = np.floor(np.mod(theta / POLE_PAIRS, 2 * np.pi) / count) * count
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < 1e-4  # Hz; the counts alone tell 1.5e-3
+        ratios.append((found.value - f_Hz) / found.uncertainty.standard)
+    assert 0.7 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
+
+
+@pytest.mark.parametrize(("apart", "value", "standard"), [(1.0, 0.9, math.sqrt(0.9)), (20.0, 0.0, 3.0)])
+def test_phases_that_agree_are_weighted_by_their_variances(
+    apart: float, value: float, standard: float
+) -> None:
+    one, other = (
+        Turned(phase, (Contribution(name, "B", size),), name)
+        for phase, name, size in ((0.0, "counts", 3.0), (apart, "signal", 1.0))
+    )
+    both = one.with_other(other)
+    assert (both.phase_rad, both.standard) == pytest.approx((value, standard))
