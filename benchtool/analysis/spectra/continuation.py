@@ -9,6 +9,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from benchtool.analysis.distributions import fisher_above
+
 FEWEST = 5
 """Phases of which a continuation is told."""
 
@@ -16,6 +18,8 @@ _DEGREES_AND_SIZES = ((2, 7), (2, 5), (3, 4))  # for noise, for both, and for wh
 _FEWEST_MISSED = 3
 _LOWEST, _HIGHEST = 4, 10  # orders of the differences that noise is told by
 _CLEARLY_LESS = 0.5  # of a power, by a higher order
+_FEW, _AS_ONE = 16, 2.0  # periods; fourth differences
+_BY_CHANCE = 0.025  # to either side
 
 
 @dataclass(frozen=True)
@@ -47,10 +51,18 @@ class Continuation:
         return bend2 * float(np.prod((by + terms) / (1.0 + terms))) ** 2 + float(here @ here) * self.noise2
 
 
-def continuation(phase_rad: NDArray[np.float64]) -> Continuation:
+def continuation(
+    phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64] | None = None
+) -> Continuation:
     """Return the one that misses the least of phases, shape (n,) with n of at least `FEWEST`, from either
-    side."""
+    side.
+
+    Noise moves the `amplitude` of the periods, relative to its mean, shape (n,), as it moves the phase: of
+    few periods both tell it together, where they do not differ by more than chance.
+    """
     count, noise2 = len(phase_rad), _noise2(phase_rad)
+    if amplitude is not None and count < _FEW:
+        noise2 = _with_amplitude(noise2, amplitude)
     kinds = [each for each in _DEGREES_AND_SIZES if each[1] + _FEWEST_MISSED <= count]
     found = [_tried(phase_rad, *each, noise2) for each in kinds or [(2, min(5, count - 1))]]
     return min(found, key=lambda each: each.missed2)
@@ -66,6 +78,19 @@ def _noise2(phase_rad: NDArray[np.float64]) -> float:
             break
         noise2 = other2
     return noise2
+
+
+def _with_amplitude(noise2: float, amplitude: NDArray[np.float64]) -> float:
+    """Return the mean square of noise by that of phases and by amplitudes about a line, shape (n,)."""
+    count = len(amplitude)
+    line = np.polynomial.Polynomial.fit(np.arange(count), amplitude, 1)
+    left2 = float(np.sum((amplitude - line(np.arange(count))) ** 2))
+    # neighbouring differences share most of their terms: two to three of them count as one
+    own, other = max(1.0, (count - _LOWEST) / _AS_ONE), count - 2.0
+    ratio = left2 / other / noise2 if noise2 > 0.0 else math.inf
+    if not _BY_CHANCE < fisher_above(other, own, ratio) < 1.0 - _BY_CHANCE:
+        return noise2
+    return (own * noise2 + left2) / (own + other)
 
 
 def _tried(phase_rad: NDArray[np.float64], degree: int, size: int, noise2: float) -> Continuation:

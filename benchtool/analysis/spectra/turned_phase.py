@@ -120,7 +120,8 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
-    going_on = continuation(phase_rad)
+    middle = float(np.mean(seen.amplitude))
+    going_on = continuation(phase_rad, seen.amplitude / middle if middle > 0.0 else None)
     within_rad = _WITHIN * float(np.std(np.diff(track.at(marks), n=2)))
     before, after = (rows / per_period for rows in (float(marks[0]), track.samples - 1.0 - float(marks[-1])))
     ends_rad = [

@@ -43,3 +43,20 @@ def test_noise_of_a_followed_phase_counts_once() -> None:
         standard = math.hypot(*(each.standard for each in turned.budget))
         ratios.append((turned.phase_rad - float(theta[-1] - theta[0])) / standard)
     assert 0.75 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.3
+
+
+def test_noise_of_few_phases_is_that_of_the_amplitudes_too() -> None:
+    random, by_phase, by_both = np.random.default_rng(7), [], []
+    for _ in range(200):
+        phase_rad, amplitude = 1e-3 * random.standard_normal((2, 7))
+        by_phase.append(continuation(phase_rad).noise2)
+        by_both.append(continuation(phase_rad, 1.0 + amplitude).noise2)
+    assert np.mean(by_both) == pytest.approx(1e-6, rel=0.15)
+    # three overlapping differences are often far below, and errors then many times the uncertainty
+    assert np.quantile(by_both, 0.1) > 2.0 * np.quantile(by_phase, 0.1)
+
+
+def test_an_amplitude_that_swings_is_no_noise_of_the_phase() -> None:
+    phase_rad = 1e-3 * np.random.default_rng(8).standard_normal(7)
+    swings = 1.0 + 0.02 * np.sin(1.3 * np.arange(7.0))
+    assert continuation(phase_rad, swings).noise2 == continuation(phase_rad).noise2
