@@ -334,11 +334,11 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("fundamental_frequency",),
             "Hz",
             "phase between first and last row / (2 pi duration)",
-            "of the slopes that the angle's counts allow at a constant speed, and by its variance of the "
-            "signal's own phase where both agree, or else of the angle at both ends, by smoothing splines of "
-            "any stiffness through 128 means, steps that beat with the rows, and half of what may be the "
-            "rotor's or an error of its sensor: what it does in every revolution or period alike, of fewer "
-            "than two revolutions all that it does; half of what the signal "
+            "of the slopes that the angle's counts allow at a constant speed, or else of the angle at both "
+            "ends, by smoothing splines of any stiffness through 128 means, steps that beat with the rows, "
+            "and half of what may be the rotor's or an error of its sensor: what it does in every revolution "
+            "or period alike, of fewer than two revolutions all that it does; of an angle in counts that "
+            "agrees with the signal's own phase both, by their variances; half of what the signal "
             "departs from it steadily; of the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise "
             "beside the line in quadrature (Hann-weighted; unweighted it were sqrt(12)), under a Hann window "
             "where that is clearly less, "

@@ -33,9 +33,9 @@ Floats = NDArray[np.float64]
 def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = None) -> Turned:
     """Return the phase of the measured angle of a track, of which the signal departs by what was `seen`.
 
-    Counts tell a constant speed that is nearly a simple ratio of them to the rows less well than others: the
-    same few places of a count pass all over the record. Where the signal's own phase, `by_tone`, agrees with
-    them, it counts by its variance.
+    Counts tell a speed that is nearly a simple ratio of them to the rows less well than others: the same few
+    places of a count pass all over the record. Where the signal's own phase, `by_tone`, agrees with an angle
+    in counts, it counts by its variance.
 
     Raises:
         ValueError: the track has no measured angle.
@@ -45,8 +45,8 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
     smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
     if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
         line_rad = np.linspace(0.0, counted.phase_rad, track.samples)
-        found = _with_departure(counted, track, seen, line_rad - smooth_rad)
-        return found if by_tone is None or found is not counted else counted.with_other(by_tone)
+        departed = _with_departure(counted, track, seen, line_rad - smooth_rad)
+        return _with_tone(counted, by_tone) if departed is counted else departed
     repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
     measured_rad = track.measured_rad - repeated_rad
     may_be_rad = float(repeated_rad[-1] - repeated_rad[0])
@@ -63,9 +63,14 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
     half_rad = _HALF * may_be_rad
     of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
     turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
-    if track.departure is not None:
-        return turned
-    return _with_departure(turned, track, seen, measured_rad - smooth_rad)
+    result = turned
+    if track.departure is None:
+        result = _with_departure(turned, track, seen, measured_rad - smooth_rad)
+    return _with_tone(result, by_tone) if result is turned and track.resolution_rad > 0.0 else result
+
+
+def _with_tone(turned: Turned, by_tone: Turned | None) -> Turned:
+    return turned if by_tone is None else turned.with_other(by_tone)
 
 
 def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: Floats) -> Turned:

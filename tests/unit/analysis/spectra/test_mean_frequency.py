@@ -32,6 +32,25 @@ def test_counts_that_repeat_all_over_the_record_leave_the_frequency_to_the_signa
     assert 0.7 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
 
 
+def test_an_encoder_that_errs_once_a_revolution_does_not_hide_the_phase_of_the_signal() -> None:
+    random, ratios = np.random.default_rng(82), []
+    place = np.arange(12_000) / 12_000
+    for _ in range(12):
+        turns = 70.3 * (place + 0.01 * (place**2 - place)) + random.uniform()
+        theta = 2 * np.pi * turns
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
+        read = theta / POLE_PAIRS + 1e-3 * np.sin(theta / POLE_PAIRS + random.uniform(0, 2 * np.pi))
+        count = 2 * np.pi / 4096
+        angle = np.floor(np.mod(read, 2 * np.pi) / count) * count
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+        true_Hz = float(turns[-1] - turns[0]) / (len(turns) - 1) * RATE_HZ
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < 1e-4  # Hz; half of what the encoder errs is some 3e-4
+        ratios.append((found.value - true_Hz) / found.uncertainty.standard)
+    assert 0.5 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.5
+
+
 @pytest.mark.parametrize(("apart", "value", "standard"), [(1.0, 0.9, math.sqrt(0.9)), (20.0, 0.0, 3.0)])
 def test_phases_that_agree_are_weighted_by_their_variances(
     apart: float, value: float, standard: float
