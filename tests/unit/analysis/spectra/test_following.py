@@ -25,6 +25,7 @@ from benchtool.analysis.spectra.spectrum import (
     coherent_spectrum,
     spectrum_of as spectrum_of_samples,
 )
+from benchtool.analysis.spectra.turned_angle import turned_by_angle
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
@@ -218,8 +219,7 @@ def test_a_swing_slower_than_the_record_is_the_rotors_or_its_sensors() -> None:
 def test_the_resolution_of_an_angle_does_not_average_out_of_its_ends() -> None:
     measured = np.asarray(LINEAR(T * RATE_HZ))
     track = PhaseTrack(LINEAR, SAMPLES, "angle", 0.01, measured, none, resolution_rad=0.03)
-    expected = 0.03 / math.sqrt(6.0) * RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))
-    assert standard(frequency_of(track, still())) == pytest.approx(expected, rel=1e-3)
+    assert turned_by_angle(track, still()).standard == pytest.approx(0.03 / math.sqrt(6.0), rel=1e-3)
 
 
 def test_noise_without_a_current_moves_no_phase() -> None:
