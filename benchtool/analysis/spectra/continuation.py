@@ -15,6 +15,7 @@ FEWEST = 5
 """Phases of which a continuation is told."""
 
 _DEGREES_AND_SIZES = ((2, 7), (2, 5), (3, 4))  # for noise, for both, and for what bends fast
+_CLOSER = ((5, 6), (7, 8))  # for what swings within few periods, within half of one
 _FEWEST_MISSED = 3
 _LOWEST, _HIGHEST = 4, 10  # orders of the differences that noise is told by
 _CLEARLY_LESS = 0.5  # of a power, by a higher order
@@ -52,18 +53,20 @@ class Continuation:
 
 
 def continuation(
-    phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64] | None = None
+    phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64] | None = None, *, closer: bool = False
 ) -> Continuation:
     """Return the one that misses the least of phases, shape (n,) with n of at least `FEWEST`, from either
     side.
 
     Noise moves the `amplitude` of the periods, relative to its mean, shape (n,), as it moves the phase: of
-    few periods both tell it together, where they do not differ by more than chance.
+    few periods both tell it together, where they do not differ by more than chance. Polynomials of higher
+    degree are `closer` near the last phase, and err more beyond.
     """
     count, noise2 = len(phase_rad), _noise2(phase_rad)
     if amplitude is not None and count < _FEW:
         noise2 = _with_amplitude(noise2, amplitude)
-    kinds = [each for each in _DEGREES_AND_SIZES if each[1] + _FEWEST_MISSED <= count]
+    tried = (*_DEGREES_AND_SIZES, *_CLOSER) if closer else _DEGREES_AND_SIZES
+    kinds = [each for each in tried if each[1] + _FEWEST_MISSED <= count]
     found = [_tried(phase_rad, *each, noise2) for each in kinds or [(2, min(5, count - 1))]]
     return min(found, key=lambda each: each.missed2)
 

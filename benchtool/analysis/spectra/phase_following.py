@@ -379,7 +379,7 @@ def _extended(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return sample numbers and phases, both of shape (periods,), continued at either end: a natural spline
     is straight at its ends, which are then beyond the record."""
-    going_on = continuation(phase_rad)
+    going_on = continuation(phase_rad, closer=True)
     steps = np.arange(1.0, _BEYOND + 1.0)
     weights = np.array([going_on.weights(by) for by in steps])
     before, after = weights @ phase_rad[: going_on.size][::-1], weights @ phase_rad[-going_on.size :]
