@@ -217,8 +217,10 @@ class NoisyCurve:
         # anywhere between both, evenly, and which of both
         between_both = (bias - as_it_is) * math.sqrt(1.0 / 12.0 + share * (1.0 - share))
         of_highest = float(np.std(highest, ddof=1))
-        if kinked:  # a crest may be at the greatest alone, and has the noise of one row
-            of_highest = max(of_highest, float(self.standard[begin + int(np.argmax(values))]))
+        of_row = float(self.standard[begin + int(np.argmax(values))])
+        falls = float(np.max(shape)) - max(float(shape[0]), float(shape[-1]))
+        if kinked and falls < _TIED * of_row:  # a crest beside a plateau has the noise of one row
+            of_highest = max(of_highest, of_row)
         of_noise = math.hypot(of_highest, between_both)
         bias = share * bias + (1.0 - share) * as_it_is
         return greatest + between - bias, math.hypot(of_noise, unknown)

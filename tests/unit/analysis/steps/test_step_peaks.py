@@ -167,6 +167,19 @@ def test_what_follows_a_crest_is_uncertain_by_which_crest_is_the_greatest() -> N
     assert 0.6 < float(np.sqrt(np.mean(np.square(missed)))) < 1.4
 
 
+def test_a_trough_that_stands_alone_is_as_uncertain_as_the_least_of_its_rows() -> None:
+    """Under a ripple, of which each record has a crest about the lowest row."""
+    random, missed = np.random.default_rng(8), []
+    at = np.arange(-60.0, 60.0)
+    course = np.where(at < -50.0, 0.1, 2e-4 * at**2)
+    for _ in range(60):
+        phases = random.uniform(0.0, 2.0 * np.pi, (61, 1))
+        noise = 0.01 * np.cos(2.0 * np.pi * at / 13.7 + phases) + 1e-3 * random.standard_normal((61, len(at)))
+        found, standard = NoisyCurve(course + noise[0], noise[1:]).against(-1.0).greatest(kinked=True)
+        missed.append(found / standard)
+    assert 0.7 < float(np.sqrt(np.mean(np.square(missed)))) < 1.4
+
+
 def test_a_trough_is_as_deep_as_without_the_windows_that_cut_it_off() -> None:
     random = np.random.default_rng(7)
     row = np.arange(1200.0) - BEFORE
