@@ -148,10 +148,10 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     trusted = found.trusted.copy()
     trusted[: found.reference] = False  # below it no gain is accurate
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
-    response = found.response[trusted]
+    response, shared = found.response[trusted], found.shared[trusted]
     gain, phase = found.gain[trusted], found.phase_rad[trusted]
 
-    rest = gain_at_rest(frequency_Hz, response, error, found.shared[trusted])
+    rest = gain_at_rest(frequency_Hz, response, error, shared)
     text = (
         f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, by ratios of polynomials "
         f"of j frequency; the reference of the others"
@@ -165,7 +165,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
         yield Measurement("response_gain", rest.gain, unit, text, basis, gain_error)
 
     rest_dB = NEPER_DB * rest.relative_error
-    relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB)
+    relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB, shared)
     text = f"lowest frequency at which the gain is 3.01 dB below response_gain, {_LOCALLY}"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
     reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
@@ -180,7 +180,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     if rest.goes_on:
         turned, reason = None, f"it may be passed below that: {rest.undefined_because}"
     else:
-        along = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN)
+        along = ResponseCurve.of_phase(frequency_Hz, response, error, -_QUARTER_TURN, shared)
         turned = along.falls_to(_QUARTER_TURN)
     yield _frequency("bandwidth_90deg", text, turned, reason, basis)
 
@@ -209,7 +209,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
             sensitivities=NO_SENSORS,
         )
     if not unit:
-        yield from margins(frequency_Hz, response, error, basis)
+        yield from margins(frequency_Hz, response, error, basis, shared)
 
 
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:

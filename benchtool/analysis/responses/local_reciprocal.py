@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 _CUBIC = -2, 2
 _QUARTICS = (-3, 2), (-2, 3)
 _PARABOLAS = (-2, 1), (-1, 2)
+_NEAR = -3, 3  # all that these rest on
 _FEWEST = 4  # values of a parabola over a line
 _CLEARLY = 3.0  # standard deviations
 
@@ -27,11 +28,16 @@ _CLEARLY = 3.0  # standard deviations
 @dataclass(frozen=True)
 class LocalReciprocal:
     """Reciprocals of a response and their relative standard uncertainties of one component, shape (n,), at
-    rising frequencies."""
+    rising frequencies.
+
+    The uncertainties are those to use as if they were uncorrelated, where so many frequencies, `shared`,
+    shape (n,), tell as much as one: those of one are smaller by its root, and correlated over so many.
+    """
 
     frequency_Hz: Floats
     reciprocal: Complex
     error: Floats
+    shared: Floats | None = None
 
     def between(self, at: int, fine_Hz: Floats) -> tuple[Complex, Floats]:
         """Return the reciprocals at frequencies, shape (m,), between the one before `at` and that, and their
@@ -45,10 +51,9 @@ class LocalReciprocal:
         others = wider or [self._window(*ends, at) for ends in _PARABOLAS]
         weights = self._weights(cubic, fine_Hz)
         found = weights @ self.reciprocal
-        spread = self.error * np.abs(self.reciprocal)
-        of_errors = weights**2 @ spread**2
+        of_errors = self._of_errors(at, weights)
         apart = np.stack([self._weights(other, fine_Hz) - weights for other in others])
-        square, by_chance = np.abs(apart @ self.reciprocal) ** 2, 2.0 * apart**2 @ spread**2
+        square, by_chance = np.abs(apart @ self.reciprocal) ** 2, 2.0 * self._of_errors(at, apart)
         left = np.mean(np.maximum(square - by_chance, 0.0), axis=0)
         if (slope := self._line_below(cubic)) is not None:
             over_a_line = (
@@ -57,6 +62,20 @@ class LocalReciprocal:
             left = np.maximum(left, np.abs(over_a_line - found) ** 2)
         size = np.maximum(np.abs(found), np.finfo(np.float64).tiny)
         return found, np.sqrt(of_errors + 0.5 * left) / size
+
+    def _of_errors(self, at: int, weights: Floats) -> Floats:
+        """Return the variance of one component of sums of the reciprocals about `at` with weights, shape
+        (..., n): of running means over `shared` places each, which are less alike the further apart."""
+        first, end = self._window(*_NEAR, at)
+        spread = self.error[first:end] * np.abs(self.reciprocal[first:end])
+        near = weights[..., first:end]
+        if self.shared is None:
+            return np.asarray(near**2 @ spread**2)
+        shared, place = self.shared[first:end], np.arange(first, end)
+        spread = spread / np.sqrt(shared)
+        least = np.minimum(shared, shared[:, np.newaxis])
+        alike = np.maximum(0.0, 1.0 - np.abs(place - place[:, np.newaxis]) / least)
+        return np.asarray(np.einsum("...j,jk,...k->...", near, spread * alike * spread[:, np.newaxis], near))
 
     def _line_below(self, window: tuple[int, int]) -> complex | None:
         """Return the slope of a line, 1 at zero: a parabola over it passes through four reciprocals. Its pole

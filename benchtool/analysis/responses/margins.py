@@ -40,17 +40,23 @@ _SOURCE = "random error of the response, propagated to the open loop"
 
 
 def margins(
-    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
+    frequency_Hz: Floats,
+    closed: NDArray[np.complex128],
+    error: Floats,
+    basis: Basis,
+    shared: Floats | None = None,
 ) -> Iterator[Measurement]:
     """Yield the crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
 
     `closed` is the response of the controlled quantity to its reference, shape (n,), a pure number, `error`
-    its standard uncertainty relative to it, along it and across it.
+    its standard uncertainty relative to it, along it and across it, as if uncorrelated; `shared` of them each
+    tell as much as one.
 
     Below the crossover 1 - T is small, and where noise hides it the open loop has any phase: it is read from
     the frequency on above which 1 - T is known.
     """
     sensitivity = 1.0 - closed
+    shared = np.ones(len(closed)) if shared is None else shared
     magnitude = np.maximum(np.abs(sensitivity), _LEAST)
     unsure = _KNOWN * error * np.abs(closed)
     is_open = magnitude - np.abs(closed) > unsure
@@ -62,21 +68,22 @@ def margins(
             frequency_Hz[first:],
             closed[first:] / np.where(magnitude <= _LEAST, _LEAST, sensitivity)[first:],
             (error / magnitude)[first:],  # dL / L = dT / (T (1 - T))
+            shared[first:],
             basis,
         )
     else:
         reason = f"noise hides 1 - T up to {frequency_Hz[-1]:.4g} Hz: raise the stimulus, or record longer"
         for name, (unit, text) in _OF_OPEN_LOOP.items():
             yield Measurement.undefined(name, unit, text, reason, basis)
-    yield _sensitivity_peak(frequency_Hz, closed, error, basis)
+    yield _sensitivity_peak(frequency_Hz, closed, error, shared, basis)
 
 
 def _of_open_loop(
-    frequency_Hz: Floats, opened: NDArray[np.complex128], spread: Floats, basis: Basis
+    frequency_Hz: Floats, opened: NDArray[np.complex128], spread: Floats, shared: Floats, basis: Basis
 ) -> Iterator[Measurement]:
     """Yield what is read from the open loop and its relative errors, all of shape (n,)."""
-    gain = ResponseCurve.of_gain(frequency_Hz, opened, spread, _SMALL_DB)
-    phase = ResponseCurve.of_phase(frequency_Hz, opened, spread, _SMALL_RAD)
+    gain = ResponseCurve.of_gain(frequency_Hz, opened, spread, _SMALL_DB, shared)
+    phase = ResponseCurve.of_phase(frequency_Hz, opened, spread, _SMALL_RAD, shared)
 
     unit, text = _OF_OPEN_LOOP["crossover"]
     crossover = gain.falls_to(0.0)
@@ -102,7 +109,7 @@ def _of_open_loop(
         first, turns = _branch(frequency_Hz, opened, crossover.frequency_Hz)
         above = slice(first, None)
         phase = ResponseCurve.of_phase(
-            frequency_Hz[above], opened[above], spread[above], _SMALL_RAD, turns=turns
+            frequency_Hz[above], opened[above], spread[above], _SMALL_RAD, shared[above], turns=turns
         )
     turned = phase.falls_to(-math.pi)
     reason = _why_not(turned, frequency_Hz, "its phase stays above -180 degrees")
@@ -134,7 +141,7 @@ def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: 
 
 
 def _sensitivity_peak(
-    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, basis: Basis
+    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, shared: Floats, basis: Basis
 ) -> Measurement:
     """Return the greatest sensitivity.
 
@@ -144,7 +151,7 @@ def _sensitivity_peak(
     greater above.
     """
     name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
-    reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error)
+    reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error, shared)
 
     def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
         found, relative = reciprocal.between(at, fine_Hz)

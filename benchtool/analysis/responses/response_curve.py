@@ -85,10 +85,16 @@ class ResponseCurve:
 
     @classmethod
     def of_gain(
-        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_dB: float
+        cls,
+        frequency_Hz: Floats,
+        response: Complex,
+        error: Floats,
+        movement_dB: float,
+        shared: Floats | None = None,
     ) -> ResponseCurve:
-        """Return the gain in dB of a response and its relative errors, all of shape (n,)."""
-        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
+        """Return the gain in dB of a response and its relative errors, all of shape (n,), so many of which
+        tell as much as one."""
+        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error, shared)
 
         def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:
             found, relative = reciprocal.between(at, fine_Hz)
@@ -98,13 +104,21 @@ class ResponseCurve:
 
     @classmethod
     def of_phase(
-        cls, frequency_Hz: Floats, response: Complex, error: Floats, movement_rad: float, *, turns: int = 0
+        cls,
+        frequency_Hz: Floats,
+        response: Complex,
+        error: Floats,
+        movement_rad: float,
+        shared: Floats | None = None,
+        *,
+        turns: int = 0,
     ) -> ResponseCurve:
-        """Return the phase of a response, without jumps, and its errors, all of shape (n,).
+        """Return the phase of a response, without jumps, and its errors, all of shape (n,), so many of which
+        tell as much as one.
 
         The first is within half a turn of so many `turns`.
         """
-        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error)
+        reciprocal = LocalReciprocal(frequency_Hz, 1.0 / response, error, shared)
         phase = without_jumps(frequency_Hz, response) + 2.0 * np.pi * turns
 
         def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:

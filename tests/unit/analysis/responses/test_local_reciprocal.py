@@ -126,3 +126,18 @@ def test_margins_of_an_integrator_with_a_dead_time_are_read_between_lines(crosso
         assert found[name].value == pytest.approx(truth, rel=3e-3)
         assert abs(found[name].value - truth) < 2.5 * uncertain.standard
         assert uncertain.standard < 3e-3 * truth
+
+
+def test_errors_that_neighbours_have_in_common_are_no_less_between_them() -> None:
+    """Running means over four places: what lies between is as uncertain as they are."""
+    random, missed = np.random.default_rng(11), []
+    frequency_Hz, shared = np.arange(20.0, 60.0), np.full(40, 4.0)
+    truth = _two_poles(frequency_Hz, 123.0, 0.3)
+    for _ in range(200):
+        white = _noise(random, 43)
+        noise = 1e-3 * np.convolve(white, np.full(4, 0.5), "valid")
+        reciprocal = LocalReciprocal(frequency_Hz, (1.0 + noise) / truth, np.full(40, 2e-3), shared)
+        found, error = reciprocal.between(20, np.array([39.5]))
+        off = found * _two_poles(np.array([39.5]), 123.0, 0.3) - 1.0
+        missed.append(float(off[0].real / error[0]))
+    assert 0.8 < float(np.sqrt(np.mean(np.square(missed)))) < 1.25
