@@ -24,7 +24,7 @@ from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
 
-_LOWEST = 1.0 / 24.0  # cycles in the record: noise is taken to rise no further below that
+_LOWEST = 1.0 / 24.0  # cycles in the record: noise that rises as 1/f or more does so no further below that
 _EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with frequency
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
@@ -192,7 +192,18 @@ def _models() -> _Models:
     blurred = np.sinc(place - bins) ** 2 + np.sinc(place + bins) ** 2
     density = _density(place)
     seen = density @ (blurred * width).T
-    return _Models(seen[:, :, 1:], seen[:, :, 0])
+    of_mean = seen[:, :, 0]
+    # without a corner these have as much below any lowest frequency as a mean has of it
+    finite = _EXPONENTS < 1.0
+    of_mean[finite, 0] = [_of_power_law(each) for each in _EXPONENTS[finite]]
+    return _Models(seen[:, :, 1:], of_mean)
+
+
+def _of_power_law(exponent: float) -> float:
+    """Return the variance of the mean by a density f^-a, 0 < a < 1, down to zero frequency: the integral of 2
+    sinc^2(f) f^-a (Gradshteyn and Ryzhik, 3.823)."""
+    falls = -math.gamma(-1.0 - exponent) * math.cos(0.5 * math.pi * (1.0 + exponent))
+    return float(2.0 ** (1.0 + exponent) * math.pi ** (exponent - 1.0) * falls)
 
 
 def _density(place: Floats) -> Floats:
