@@ -74,7 +74,10 @@ class Power:
 
 @dataclass(frozen=True)
 class Extremes:
-    """The extremes of all components together."""
+    """The extremes of all components together, or the percentiles with `beyond_percent` of the samples beyond
+    each."""
+
+    beyond_percent: float = 0.0
 
 
 Content = Level | Line | Largest | Component | Harmonics | Noise | Power | Extremes
@@ -167,9 +170,11 @@ class Sensitivities:
         return cls((Sensitivity(channel, value, resolution=OF_MEAN_STEP),), Power())
 
     @classmethod
-    def of_extremes(cls, channel: str, value: float) -> Sensitivities:
-        """Return those of a difference of two readings, such as a peak-to-peak value."""
-        return cls((Sensitivity(channel, value, resolution=OF_EXTREMES_STEP),), Extremes())
+    def of_extremes(cls, channel: str, value: float, beyond_percent: float = 0.0) -> Sensitivities:
+        """Return those of a difference of two readings, such as a peak-to-peak value, with `beyond_percent`
+        of the samples beyond each."""
+        content = Extremes(beyond_percent)
+        return cls((Sensitivity(channel, value, resolution=OF_EXTREMES_STEP),), content)
 
     @classmethod
     def of_gains(cls, value: float, shares: Iterable[tuple[str, float]]) -> Sensitivities:

@@ -71,6 +71,8 @@ def before_the_sensors(
                 return enlarged_harmonics(waveform, fundamental_Hz, highest_Hz, response, as_ratio=as_ratio)
             case Power():
                 read, before = (part.rms for part in waveform.before(response))
+            case Extremes(beyond_percent):
+                read, before = (part.range_within(beyond_percent) for part in waveform.before(response))
             case _:
                 read, before = (part.peak_to_peak for part in waveform.before(response))
         return before / read if read > 0.0 else 1.0

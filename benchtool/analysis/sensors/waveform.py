@@ -55,6 +55,11 @@ class Waveform:
     def peak_to_peak(self) -> float:
         return float(np.ptp(self.samples))
 
+    def range_within(self, beyond_percent: float) -> float:
+        """Return the distance of the percentiles that so many of the samples are beyond, at either end."""
+        low, high = np.percentile(self.samples, (beyond_percent, 100.0 - beyond_percent))
+        return float(high - low)
+
     @cached_property
     def bins(self) -> NDArray[np.complex128]:
         """DFT of the whole under a Hann window, without the mean."""

@@ -350,7 +350,7 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
         f"{HIGH_PERCENT:g}th minus {LOW_PERCENT:g}th percentile of {what}",
         range_between,
         scatter.percentile_range if scatter else None,
-        Sensitivities.of_extremes(channel, range_between),
+        Sensitivities.of_extremes(channel, range_between, LOW_PERCENT),
         seen.resolution(step / math.sqrt(6.0)),
         Contribution(_TOO_SLOW_NOISE, "B", of_range),
         Contribution(BETWEEN, "B", _missed(scatter, percentile_range)),

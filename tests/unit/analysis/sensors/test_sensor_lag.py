@@ -15,14 +15,17 @@ from benchtool.analysis import (
     Table,
     measurements_from_json,
     measurements_to_json,
+    percentile_range,
     tables_from_json,
     tables_to_json,
 )
 from benchtool.analysis.catalogue import catalogue, measure
 from benchtool.analysis.measurement import Basis, LineColumn
 from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE
+from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.sensors.instruments import Instruments, Perturbed
 from benchtool.analysis.sensors.tables import AS_READ
+from benchtool.analysis.torque.ripple_percentiles import LOW_PERCENT
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.profile import Bench
@@ -119,6 +122,21 @@ def test_noise_of_the_converter_is_not_taken_for_lost() -> None:
     assert found.value == pytest.approx(
         math.hypot(0.2 * math.hypot(1.0, 0.5) / math.sqrt(2.0), 0.02), rel=0.01
     )
+
+
+def test_percentiles_were_apart_by_what_they_and_not_the_extremes_say() -> None:
+    """Of 250 Hz behind 500 Hz, with clicks in a few samples that the converter adds."""
+    shape = np.cos(2.0 * math.pi * 250.0 * np.arange(20_000) / 20e3)
+    random, clicks = np.random.default_rng(4), np.zeros(len(shape))
+    clicks[random.integers(0, len(shape), 40)] = random.choice([-0.5, 0.5], 40)
+    read, before = 0.2 * shape + clicks, 0.2 * math.hypot(1.0, 0.5) * shape + clicks
+    block = Block.from_arrays(20e3, {"torque": "Nm"}, torque=read)
+    bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=500.0, bandwidth_tolerance_percent=0.0)})
+    values = percentile_range(read)
+    own = Sensitivities.of_extremes("torque", values, LOW_PERCENT)
+    number = replace(reading("torque_ripple_percentile_range", values), sensitivities=own)
+    (found,) = applied(bench, number, blocks=[block])
+    assert found.value == pytest.approx(percentile_range(before), rel=0.02)
 
 
 @pytest.mark.parametrize("phases", [("i_a",), ("i_a", "i_b", "i_c")])
