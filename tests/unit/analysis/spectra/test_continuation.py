@@ -63,7 +63,7 @@ def test_an_amplitude_that_swings_is_no_noise_of_the_phase() -> None:
 
 
 def test_a_track_that_swings_within_ten_periods_reaches_both_ends() -> None:
-    # half a period before its ends the record has its last phases; a period that is off there errs in amplitude
+    # half a period before its ends the record has its last phases; the track is continued from there
     random, errors = np.random.default_rng(9), []
     for _ in range(6):
         time_s = np.arange(25_000) / 10_000.0
