@@ -107,11 +107,8 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
     )
     bench = Bench(channels={name: stated_sensor(what.actual, stated_Hz) for name in ("i_a", "torque")})
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
-    # noise makes a range larger, of this record by so much
-    pp_by_noise = _as_read(found.measurements, "torque_ripple_pp") - float(np.ptp(torque_read))
-    within_by_noise = _as_read(found.measurements, "torque_ripple_percentile_range") - percentile_range(
-        torque_read
-    )
+    # noise makes a peak-to-peak value larger, of this record by so much
+    by_noise = _read_pp(found.measurements) - float(np.ptp(torque_read)) if found.measurements else 0.0
     thd = 100.0 * math.sqrt(sum(a * a for k, a in amplitudes.items() if k > 1)) / amplitudes[1]
     truths = {
         "current_fundamental": amplitudes[1],
@@ -120,11 +117,11 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
         "current_thd_f_groups": thd,
         "current_max_low_harmonic": max(a for k, a in amplitudes.items() if 1 < k < _LOW_ORDER),
         "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + what.noise**2),
-        "torque_ripple_percentile_range": percentile_range(torque) + within_by_noise,
+        "torque_ripple_percentile_range": percentile_range(torque + noise_Nm),
         **{f"torque_order_{k // POLE_PAIRS}p": orders[k] for k in (12, 24)},
     }
     if what.ratio <= _LOSS_OUTWEIGHS_NOISE:
-        truths["torque_ripple_pp"] = float(np.ptp(torque)) + pp_by_noise
+        truths["torque_ripple_pp"] = float(np.ptp(torque)) + by_noise
     yield from selected(found.measurements, truths)
     for table in found.tables:
         lines = {"current_harmonics": amplitudes, "torque_orders": orders}.get(table.name, {})
@@ -134,8 +131,8 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measure
             yield Measurement(f"{table.name}_{k}", row["amplitude"], "", "", uncertainty=u), amplitude
 
 
-def _as_read(measurements: tuple[Measurement, ...], name: str) -> float:
-    return next((each.as_read for each in measurements if each.name == name), math.nan)
+def _read_pp(measurements: tuple[Measurement, ...]) -> float:
+    return next((each.as_read for each in measurements if each.name == "torque_ripple_pp"), math.nan)
 
 
 @dataclass(frozen=True)
