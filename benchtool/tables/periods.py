@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
-from benchtool.analysis.spectra import marks_of_rotor
+from benchtool.analysis.spectra import marks_of_rotor, marks_of_tone
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
 
@@ -62,8 +62,10 @@ class Periods:
         """Return what the rows repeat: electrical periods, else revolutions."""
         track = self._for_scatter() if self.record.uniform is not None else None
         if track is not None:
-            # without an angle the machine may slip
-            per_revolution = 1 if track.residual_rad is None else self.record.question.pole_pairs or 1
+            if track.residual_rad is None:  # without an angle the machine may slip
+                marks = marks_of_tone(self.record.column("current"), self.record.base.rate_Hz, track)
+                return Repetition(marks, "electrical periods", 1)
+            per_revolution = self.record.question.pole_pairs or 1
             return Repetition(marks_of_rotor(track), "electrical periods", per_revolution)
         if "angle" not in self.record.channels:
             return self._at_stated_speed()

@@ -64,13 +64,6 @@ def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
     return AngleTracks(of_periods, _departing(track, number, departure), within_rad)
 
 
-def marks_of_rotor(track: PhaseTrack) -> NDArray[np.float64]:
-    """Return the sample numbers at which periods begin, shape (periods + 1,): where the rotor is, also while
-    its speed swings, if the track was made from an angle that departs from it."""
-    tracks = along_angle(track, track.samples / track.periods)
-    return (tracks.within or tracks.of_periods or track).period_marks()
-
-
 def within_periods(without: NDArray[np.complex128], along: NDArray[np.complex128]) -> WithinPeriods:
     """Judge by the harmonics of a current `without` what the angle does within periods, and `along` it: peak
     phasors of harmonics 1, 2, 3 ..., shape (harmonics,), as of the same angle zero.

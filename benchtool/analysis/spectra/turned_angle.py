@@ -58,8 +58,9 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
             may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
         elif not track.resolution_rad > 0.0:
             # slow noise is more than it seems in few rows: ends are better of a computed angle alone
-            by_ends = _by_ends(track, measured_rad, seen)
-            found = by_ends if by_ends.standard < _COMPUTED_RAD else found
+            noise = _by_ends(track, measured_rad, seen).budget[0]
+            if noise.standard < _COMPUTED_RAD:
+                found = Turned(float(measured_rad[-1] - measured_rad[0]), (noise,), noise.name)
     half_rad = _HALF * may_be_rad
     of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
     turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)

@@ -18,6 +18,7 @@ from benchtool.analysis import (
     ripple_numbers,
     torque_ripple,
     track_angle,
+    track_tone,
 )
 from benchtool.analysis.measurement import measurements_from_json, measurements_to_json
 from benchtool.analysis.statistics.between_samples import BETWEEN
@@ -439,3 +440,26 @@ def test_periods_begin_where_the_rotor_is_while_its_speed_swings() -> None:
         standard.append(mean.uncertainty.standard)
     assert 0.6 < float(np.sqrt(np.mean(np.square(relative)))) < 1.4
     assert float(np.median(standard)) < 2.5e-6
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.03])
+def test_periods_begin_where_the_current_is_without_an_angle(drift: float) -> None:
+    """Along a track of constant frequency a drift smears what is read in steps: they were not in its rms."""
+    random, count = np.random.default_rng(7), 25_075
+    place = np.arange(count) / count
+    theta_e = 2.0 * np.pi * 91.7 * (place + 0.5 * drift * (place**2 - place)) + 0.4
+    ripple = 0.15 * np.cos(6.0 * theta_e) + 0.05 * np.cos(3.0 * theta_e + 1.0)
+    torque = 0.01 * np.round((2.003 + ripple + 1e-3 * random.normal(size=count)) / 0.01)
+    current = np.cos(theta_e) + 1e-3 * random.normal(size=count)
+    units = {"torque": "Nm", "i_a": "A"}
+    block = Block.from_arrays(5e3, units, torque=torque, i_a=current)
+    by_current = torque_ripple(block, torque_rated_Nm=2.0, track=track_tone(current, "i_a"))
+    by_angle = torque_ripple(block, torque_rated_Nm=2.0, track=track_angle(theta_e, 1))
+    for one, other in zip(by_current, by_angle, strict=True):
+        assert one.uncertainty is not None
+        assert other.uncertainty is not None
+        assert one.value == pytest.approx(other.value, rel=1e-4)
+        assert one.uncertainty.standard == pytest.approx(other.uncertainty.standard, rel=0.15)
+    of_rms = next(each.uncertainty for each in by_current if each.name == "torque_ripple_rms")
+    assert of_rms is not None
+    assert any("resolution" in each.name for each in of_rms.budget)
