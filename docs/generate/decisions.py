@@ -193,7 +193,7 @@ SECTIONS: Final = (
         "The uncertainty of a mean or rms whose values are correlated, drift, cycle or wander "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0077 0124 0434 0146 0163 0247 0311 0218 0397 0408 0230 0290
+        0077 0124 0434 0146 0163 0247 0311 0218 0397 0408 0443 0230 0290
         """,
     ),
     Section(
@@ -283,7 +283,7 @@ SECTIONS: Final = (
         """
         0048 0207 0227
         0160 0187 0228 0243 0335
-        0208 0229 0271 0325 0425 0296
+        0208 0229 0271 0325 0425 0444 0296
         0209 0295 0270 0294 0315 0346 0355 0388 0389 0372 0373
         """,
     ),

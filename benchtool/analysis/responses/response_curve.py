@@ -27,6 +27,7 @@ Course = Callable[[int, Floats], tuple[Floats, Floats]]
 """Values and their standard uncertainties at frequencies between the one before an index and that."""
 
 _FEWEST = 2  # neighbours to either side of a local fit
+_MISSED = 2  # longer fits in a row that by chance do not describe their points
 _LONGER = 1.5
 _LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its reach: 1 / (1.5^3 - 1) is left
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
@@ -142,17 +143,26 @@ class ResponseCurve:
         at = int(np.argmax(below))
         if at == 0:
             return Point(float(self.frequency_Hz[0]), math.nan)
-        clear = np.flatnonzero(smooth[at:] < level - _CLEAR * self._smooth_error[at:])
+        clear = np.flatnonzero(self._clearly_below(level)[at:])
         if len(clear) == 0:
             return Point(float(self.frequency_Hz[at]), math.inf)
         found = self._crossing(at, level, level_error)
         # the errors may have raised values to the level up to where they are clearly below
         last_above = int(np.flatnonzero(smooth[: at + int(clear[0])] > level)[-1])
         if (again := self._crossing(last_above + 1, level, level_error)) != found:
-            apart_Hz = again.frequency_Hz - found.frequency_Hz
-            found = Point(found.frequency_Hz, math.hypot(found.standard_Hz, apart_Hz))
+            found = _anywhere_between(found, again)
         lowest_Hz = float(self.frequency_Hz[0])
         return found if found.frequency_Hz > lowest_Hz else Point(lowest_Hz, math.nan)
+
+    def _clearly_below(self, level: float) -> NDArray[np.bool_]:
+        """Return which of the values are below a level by more than errors of many values explain: together
+        with the next one, as single values are by chance."""
+        weights = 1.0 / np.square(self._smooth_error)
+        both = weights[:-1] + weights[1:]
+        mean = (weights[:-1] * self.smooth[:-1] + weights[1:] * self.smooth[1:]) / both
+        below = (mean < level - _CLEAR / np.sqrt(both)) & (self.smooth[:-1] < level)
+        last = self.smooth[-1] < level - _CLEAR * self._smooth_error[-1]
+        return np.append(below, last)
 
     def _crossing(self, at: int, level: float, level_error: float) -> Point:
         """Return where the values fall to a level, by a local fit about where the smooth ones do before
@@ -367,20 +377,23 @@ class ResponseCurve:
 
     def _fits(self, frequency_Hz: float) -> tuple[LocalParabola, LocalParabola]:
         """Return the local fits about a frequency: the shortened one, and the longest that describes its
-        points."""
+        points; one that does not by chance is passed over where the next longer one does."""
         places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
         nearest = np.argsort(np.abs(places), kind="stable")
         within = int(np.count_nonzero(np.abs(places) <= _REACH))
         found: list[LocalParabola] = []
+        missed = 0
         count = 2 * _FEWEST + 1
         while count <= max(within, 2 * _FEWEST + 1) and count <= len(places):
             chosen = nearest[:count]
             fit = LocalParabola.through(
                 places[chosen], self.values[chosen], self._weights[chosen], self._scatter
             )
-            if found and not fit.describes:
+            missed = 0 if fit.describes or not found else missed + 1
+            if missed > _MISSED:
                 break
-            found.append(fit)
+            if not missed:
+                found.append(fit)
             count = math.ceil(_LONGER * count)
         if not found:
             found.append(LocalParabola.through(places, self.values, self._weights, self._scatter))
@@ -393,3 +406,10 @@ def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) ->
     below = np.concatenate([[0.0], np.cumsum(weights)])
     first, last = places - widths, places + widths + 1
     return np.asarray((above[last] - above[first]) / (below[last] - below[first]), dtype=np.float64)
+
+
+def _anywhere_between(first: Point, last: Point) -> Point:
+    """Return a place that the errors leave open between two, as likely at any frequency between them."""
+    apart_Hz = last.frequency_Hz - first.frequency_Hz
+    of_both_Hz = math.sqrt(0.5 * (first.standard_Hz**2 + last.standard_Hz**2))
+    return Point(first.frequency_Hz + 0.5 * apart_Hz, math.hypot(of_both_Hz, apart_Hz / math.sqrt(12.0)))
