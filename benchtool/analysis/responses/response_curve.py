@@ -409,7 +409,10 @@ def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) ->
 
 
 def _anywhere_between(first: Point, last: Point) -> Point:
-    """Return a place that the errors leave open between two, as likely at any frequency between them."""
+    """Return a place that the errors leave open between two, as likely at any frequency between them; of two
+    that are too far apart nothing is known."""
     apart_Hz = last.frequency_Hz - first.frequency_Hz
     of_both_Hz = math.sqrt(0.5 * (first.standard_Hz**2 + last.standard_Hz**2))
-    return Point(first.frequency_Hz + 0.5 * apart_Hz, math.hypot(of_both_Hz, apart_Hz / math.sqrt(12.0)))
+    is_far = apart_Hz > _MOST_UNCERTAIN * first.frequency_Hz
+    standard_Hz = math.inf if is_far else math.hypot(of_both_Hz, apart_Hz / math.sqrt(12.0))
+    return Point(first.frequency_Hz + 0.5 * apart_Hz, standard_Hz)
