@@ -278,8 +278,8 @@ SECTIONS: Final = (
     ),
     Section(
         "Frequency response: the estimate and its errors",
-        "Gain and phase of a loop or plant, from periods and without them, and what noise, drifts and steps of "
-        "converters do to them (`benchtool.analysis.responses`).",
+        "Gain and phase of a loop or plant, from periods and without them, and what noise, drifts and steps "
+        "of converters do to them (`benchtool.analysis.responses`).",
         """
         0048 0207 0227 0295 0388 0389 0373 0372 0325 0425 0296
         """,
