@@ -46,6 +46,8 @@ STEADY: Mapping[str, Disturbance] = {
     "wobble_slip_encoder": replace(_QUIET, wobble_rad=(4e-3, 1), slip=0.0004, counts=2048, periods=77.7,
         noise=3e-3),
     "ripple_noise_in_noise": replace(_QUIET, ripple_noise=(0.3, 0.3), noise=1e-2, periods=25.4),
+    "ripple_memory_few_periods": replace(_QUIET, ripple_noise=(0.05, 0.9), periods=8.7, noise=1e-3),
+    "ripple_noise_few_periods": replace(_QUIET, ripple_noise=(0.1, 0.0), periods=17.2, angle=False),
     "spikes_few_periods": replace(_QUIET, spikes=0.1, periods=8.3, noise=3e-3),
     "sawtooth_pink": replace(_QUIET, sawtooth=(0.1, 0.2), noise=1e-2, kind="pink", periods=44.1),
     "hum_few_periods": replace(_QUIET, frequency_Hz=36.1, lines=((50.0 / 36.1, 0.01),), periods=7.7,

@@ -188,7 +188,8 @@ class _Revolutions:
         about = self.radius - float(np.mean(self.radius))
         signs = np.where(np.arange(len(about)) % 2, -1.0, 1.0)
         reason = change_of_regime(self.means, "the radius of the flux")
-        if not reason and is_memory_untold(self.means, self.means_of(signs * about)):
+        # a line that revolutions cut makes their means differ as well, and tells what the mean of all is
+        if not reason and is_memory_untold(self.means, self.means_of(signs * about), fewest=0):
             return f"the radius of the flux wanders over the {len(self.means)} revolutions: record longer"
         return reason
 

@@ -34,7 +34,8 @@ _MORE, _RISES = 0.25, 0.3  # by chance; octaves, towards zero frequency
 _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
 _ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
-_NOT_NOISE, _MAYBE_CORRELATED = 1e-4, 0.0  # by chance; standard deviations of a correlation
+_NOT_NOISE, _NOT_NOISE_OF_FEW, _FEW_TO_COMPARE = 1e-4, 1e-2, 10  # by chance; degrees of freedom
+_MAYBE_CORRELATED, _CLEARLY_UNLIKE = 0.0, -2.0  # standard deviations of a correlation
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 
@@ -92,21 +93,26 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     return without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
 
 
-def is_memory_untold(values: NDArray[np.float64], like_noise: NDArray[np.float64]) -> bool:
+def is_memory_untold(
+    values: NDArray[np.float64], like_noise: NDArray[np.float64], fewest: int = _FEWEST_OF_A_MEMORY
+) -> bool:
     """Return whether values, shape (n,), one for each of a few periods, wander for a while that these do not
     tell.
 
     They deviate by more than a thousandth, and more than others that noise moves as much, `like_noise`, of
     shape (n,); they are fewer than 32; and neighbours may be correlated. Those of which the correlation shows
     are not the ones that err most: a memory as long as the record is in its mean, and hardly in its scatter.
+    Fewer than `fewest` do not tell it at all, unless neighbours are clearly unlike.
     """
     freedom, middle = len(values) - 1, abs(float(np.mean(values)))
     if not 2 <= freedom < _ENOUGH_OF_A_MEMORY or not float(np.std(values)) > _MATTERS * middle:
         return False
     noise = float(np.var(like_noise))
-    if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > _NOT_NOISE:
+    by_chance = _NOT_NOISE if freedom >= _FEW_TO_COMPARE else _NOT_NOISE_OF_FEW
+    if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > by_chance:
         return False
-    return neighbours_alike(values) > _MAYBE_CORRELATED
+    least = _MAYBE_CORRELATED if len(values) >= fewest else _CLEARLY_UNLIKE
+    return neighbours_alike(values) > least
 
 
 def _counting_as_one(covariance: NDArray[np.float64]) -> float:

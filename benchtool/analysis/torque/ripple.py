@@ -288,6 +288,7 @@ class _Seen:
         elif not math.isfinite(scatter.peak_to_peak):
             # a resolution beside a scatter that is not known would be stated as if it were all
             why = _TOO_FEW_EXTREMES if scatter.periods < FEWEST_EXTREMES else _GROWS
+            why = TOO_SLOW if scatter.is_untold else why
         else:
             # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
             budget = [self.resolution(step / math.sqrt(6.0))] if step else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from benchtool.analysis.statistics.scatter import MeanError, error_of_root
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
+from benchtool.analysis.torque.ripple_sizes import is_size_untold
 from benchtool.analysis.torque.slow_ripple import SlowRipple
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,7 @@ class Scatter:
     That of the percentile range is None of fewer than four periods, in which it is an extreme as well.
     `whole_mean` and `whole_rms` are the mean and rms without what incomplete periods and cycles make of them,
     `steps` the errors of a converter's steps that repeat, `between` what the ripple does between its samples.
+    Where the size of the ripple `is_untold`, all but that of the mean are nan.
     """
 
     periods: int
@@ -40,6 +42,13 @@ class Scatter:
     whole_rms: float
     steps: RepeatedSteps | None
     between: Between | None
+    is_untold: bool = False
+
+    def without_sizes(self) -> Scatter:
+        """Return it where nothing tells how long the size of the ripple remembers."""
+        unknown = MeanError(math.nan, math.nan)
+        of_range = None if self.percentile_range is None else unknown
+        return replace(self, rms=unknown, percentile_range=of_range, peak_to_peak=math.nan, is_untold=True)
 
 
 def scatter_of_periods(
@@ -64,7 +73,7 @@ def scatter_of_periods(
     spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
     tails = Tails.of(within, begin, counts)
     slow = SlowRipple.of(within, repeats, of_mean, of_square)
-    return Scatter(
+    scatter = Scatter(
         periods=count,
         repeated=repeats.name,
         mean=of_mean.error,
@@ -81,3 +90,4 @@ def scatter_of_periods(
         else None,
         between=between_samples(rest, repeats.turns),
     )
+    return scatter.without_sizes() if is_size_untold(of_mean.left, repeats) else scatter

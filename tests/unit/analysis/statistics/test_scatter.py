@@ -103,14 +103,25 @@ def test_a_mean_under_fractional_noise_and_one_of_levels_is_known_as_stated() ->
         assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
 
 
-@pytest.mark.parametrize(("memory", "untold"), [(0.9, 0.9), (0.0, 0.5)])
-def test_few_values_do_not_tell_how_long_they_remember(memory: float, untold: float) -> None:
+@pytest.mark.parametrize(("count", "memory"), [(6, 0.9), (12, 0.9), (18, 0.9), (25, 0.9), (12, 0.0)])
+def test_few_values_do_not_tell_how_long_they_remember(count: int, memory: float) -> None:
     random = np.random.default_rng(4)
     found = []
     for _ in range(80):
-        values = 1.0 + 0.02 * coloured(random.standard_normal(18), memory)
-        found.append(is_memory_untold(values, 1e-3 * random.standard_normal(18)))
-    assert (np.mean(found) > untold) == (memory > 0.0)
+        values = 1.0 + 0.02 * coloured(random.standard_normal(count), memory)
+        found.append(is_memory_untold(values, 1e-3 * random.standard_normal(count)))
+    assert np.mean(found) > 0.9
+
+
+def test_neighbours_that_are_unlike_or_enough_values_have_no_untold_memory() -> None:
+    random = np.random.default_rng(4)
+    alternating = 1.0 + 0.02 * np.tile([1.0, -1.0], 8)
+    assert not is_memory_untold(alternating, 1e-3 * random.standard_normal(16))
+    found = []
+    for _ in range(80):
+        values = 1.0 + 0.02 * random.standard_normal(24)
+        found.append(is_memory_untold(values, 1e-3 * random.standard_normal(24)))
+    assert np.mean(found) < 0.6
 
 
 def test_what_moves_as_noise_does_or_is_of_many_values_has_no_untold_memory() -> None:

@@ -22,8 +22,10 @@ from benchtool.analysis import (
 )
 from benchtool.analysis.measurement import measurements_from_json, measurements_to_json
 from benchtool.analysis.statistics.between_samples import BETWEEN
-from benchtool.analysis.torque.means_of_periods import Periods
+from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
+from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
 from benchtool.analysis.torque.ripple_scatter import scatter_of_periods
+from benchtool.analysis.torque.slow_ripple import SlowRipple
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 
@@ -354,10 +356,10 @@ def test_percentiles_of_few_periods_are_known_by_how_much_their_size_differs() -
     for _ in range(60):
         size = np.repeat(1.0 + 0.2 * random.standard_normal(6), PER_PERIOD)
         samples = size * np.cos(6.0 * angle(count)) + 0.02 * random.standard_normal(count)
-        found = scatter_of_periods(samples, Periods(np.arange(0, count + 1, PER_PERIOD)))
-        assert found is not None
-        assert found.percentile_range is not None
-        stated.append(found.percentile_range.standard)
+        repeats = Periods(np.arange(0, count + 1, PER_PERIOD))
+        mean = mean_over_periods(samples, repeats)
+        slow = SlowRipple.of(samples, repeats, mean, mean_over_periods(samples**2, repeats))
+        stated.append(percentile_scatter(samples, slow).standard)
         read.append(percentile_range(samples))
     errors = (np.array(read) - np.mean(read)) / np.array(stated)
     assert 0.6 < float(np.sqrt(np.mean(errors**2))) < 1.5
