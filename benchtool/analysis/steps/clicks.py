@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ Floats = NDArray[np.float64]
 
 _LONGEST = 2  # samples
 _REACH = 3  # samples to either side, whose median is one of the levels around
+_LINE = 5  # samples to either side, the line through which is what a course goes on along
+_OF_LINE = 1.5  # times as far: noise of such a line, two samples on, is 1.3 times that of one sample
 _NEAR = 10  # samples to either side, within which what oscillates is no click
 _SIGMAS = 4.5  # standard deviations of a sample from the mean of its neighbours: 5.5 of white noise
 _STEPS = 1.5  # of a converter: noise that its steps hide moves a sample by one of them
@@ -30,12 +33,14 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
 
     A click is one sample, or each of two, beyond both neighbours and beyond the medians of three samples to
     either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
-    from each other, so that an edge is none. The noise is how far half of the samples, of all or of those
-    near where that is more, are from the mean of their neighbours: what oscillates is none either. A signal
-    that stays for some samples and then jumps, as what is computed of converted currents does, is hardly off
-    its neighbours: where it would have too many clicks, those up to eight samples away count. Samples without
-    noise are returned as they are, and so are those of which more than a fiftieth would be clicks, with their
-    number.
+    from each other, so that an edge is none. On the way of an answer, where these levels differ by what
+    it has come, a click is what is so far beyond the line between both neighbours and those through five
+    samples to either side: an edge, a corner and a peak are within these. The noise is how far half of
+    the samples, of all or of those near where that is more, are from the mean of their neighbours: what
+    oscillates is none either. A signal that stays for some samples and then jumps, as what is computed of
+    converted currents does, is hardly off its neighbours: where it would have too many clicks, those up
+    to eight samples away count. Samples without noise are returned as they are, and so are those of which
+    more than a fiftieth would be clicks, with their number.
     """
     count = len(samples)
     if count < _FEWEST:
@@ -103,7 +108,8 @@ def too_many(clicks: int, count: int) -> bool:
 
 def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
     """Return which of the samples, shape (n,), are far from their neighbours, and those near are not."""
-    beyond = _beyond_around(samples)
+    course = _beyond_around(samples, of_course=True) / _OF_LINE
+    beyond = np.maximum(_beyond_around(samples), course)
     hit = beyond > least
     for row in np.flatnonzero(hit):
         near = apart[max(0, row - 1 - _NEAR) : row + _NEAR]
@@ -121,32 +127,55 @@ def converter_step(samples: Floats) -> float:
     return counted or step_between(values, _FEWEST_LEVELS)
 
 
-def _beyond_around(samples: Floats) -> Floats:
-    """Return how far each sample, shape (n,), is beyond what is around, alone or as one of two; at the ends
-    that is continued as in a mirror."""
-    around = _REACH + _LONGEST
+def _beyond_around(samples: Floats, *, of_course: bool = False) -> Floats:
+    """Return how far each sample, shape (n,), is beyond what is around, or beyond the course there, alone or
+    as one of two; at the ends that is continued as in a mirror."""
+    around = _LINE + _LONGEST
+    if len(samples) <= around:
+        return np.zeros(len(samples))
     mirrored = np.pad(samples, around, mode="reflect")
-    beyond = [_beyond(mirrored, length) for length in range(1, _LONGEST + 1)]
+    of = _courses if of_course else _levels
+    beyond = [_beyond(mirrored, length, of) for length in range(1, _LONGEST + 1)]
     return np.asarray(np.maximum.reduce(beyond)[around : len(samples) + around])
 
 
-def _beyond(samples: Floats, length: int) -> Floats:
+def _beyond(samples: Floats, length: int, of: Callable[[Floats, int], Floats]) -> Floats:
     """Return how far each sample, shape (n,), is beyond what is around so many of which it is one; 0 where it
     is within, or by less than what is around differs."""
     count = len(samples)
-    first = np.arange(_REACH, count - length - _REACH + 1)
-    level = np.median(np.lib.stride_tricks.sliding_window_view(samples, _REACH), axis=1)
-    around = np.stack(
-        [samples[first - 1], level[first - _REACH], samples[first + length], level[first + length]]
-    )
+    first = np.arange(_LINE, count - length - _LINE + 1)
+    around = of(samples, length)
     highest, lowest = np.max(around, axis=0), np.min(around, axis=0)
     within = samples[first[:, np.newaxis] + np.arange(length)]
     # of two, the one may be above and the other below
-    each = np.maximum(within - highest[:, np.newaxis], lowest[:, np.newaxis] - within)
-    beyond = np.min(each, axis=1)
-    beyond[beyond <= highest - lowest] = 0.0
+    each = np.maximum(within - highest, lowest - within)
+    beyond = np.min(np.where(each > highest - lowest, each, 0.0), axis=1)
     found = np.zeros(count)
     for offset in range(length):
         at = first + offset
         found[at] = np.maximum(found[at], beyond)
     return found
+
+
+def _levels(samples: Floats, length: int) -> Floats:
+    """Return the levels around every so many samples, shape (4, m, 1): their neighbours, and the medians to
+    either side."""
+    first = np.arange(_LINE, len(samples) - length - _LINE + 1)
+    level = np.median(np.lib.stride_tricks.sliding_window_view(samples, _REACH), axis=1)
+    around = [samples[first - 1], level[first - _REACH], samples[first + length], level[first + length]]
+    return np.stack(around)[..., np.newaxis]
+
+
+def _courses(samples: Floats, length: int) -> Floats:
+    """Return the courses about every so many samples, shape (3, m, length): the line between their
+    neighbours, and those through the samples to either side."""
+    first = np.arange(_LINE, len(samples) - length - _LINE + 1)
+    after = first + length
+    rows = np.arange(_LINE) - 0.5 * (_LINE - 1)
+    windows = np.lib.stride_tricks.sliding_window_view(samples, _LINE)
+    mean, slope = np.mean(windows, axis=1), windows @ rows / (rows @ rows)
+    within = np.arange(length)
+    between = np.outer(samples[first - 1], length - within) + np.outer(samples[after], within + 1.0)
+    before = mean[first - _LINE, np.newaxis] + np.outer(slope[first - _LINE], within + 1.0 - rows[0])
+    behind = mean[after, np.newaxis] + np.outer(slope[after], within - length + rows[0])
+    return np.stack([between / (length + 1.0), before, behind])
