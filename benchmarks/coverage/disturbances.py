@@ -120,6 +120,9 @@ DISTURBANCES: Mapping[str, Disturbance] = {
     "settling_hidden_no_angle": replace(
         _QUIET, settling=(1.1e-3, 0.15), bits=7, noise=1e-4, periods=16.6, angle=False
     ),
+    "settling_soon_no_angle": replace(
+        _QUIET, settling=(-3e-3, 0.05), noise=5e-3, periods=30.3, angle=False
+    ),
     "settling_fast_no_angle": replace(_QUIET, settling=(0.05, 0.06), periods=50.4, angle=False),
     "speed_walk": replace(_DRIFT, speed_walk=0.004, noise=1e-3, counts=10_000),
     "speed_walk_no_angle": replace(_DRIFT, speed_walk=0.004, noise=1e-3, angle=False),

@@ -13,6 +13,7 @@ from benchtool.analysis.spectra.continuation import FEWEST, continuation
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
 from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.spectra.phase_following import Wander
+from benchtool.analysis.spectra.settling_phase import settling_phase
 from benchtool.analysis.spectra.spectrum import FIRST_ROW, CoherentSpectrum, rows_of
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
@@ -124,16 +125,20 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     going_on = continuation(phase_rad, seen.amplitude / middle if middle > 0.0 else None)
     within_rad = _WITHIN * float(np.std(np.diff(track.at(marks), n=2)))
     before, after = (rows / per_period for rows in (float(marks[0]), track.samples - 1.0 - float(marks[-1])))
+    left2 = seen.noise_rad**2
+    if track.departure is not None:
+        left2 = _shared2(seen.phase_rad - np.mean(seen.phase_rad))
+    of_phases2 = 2.0 * (left2 + within_rad**2)
+    settling = settling_phase(phase_rad, max(going_on.noise2, seen.noise_rad**2))
+    if settling is not None:  # it bends most where a polynomial begins
+        turned_rad, error2 = settling.turned(before, after)
+        return turned_rad, math.sqrt(of_phases2 + error2)
     ends_rad = [
         float(going_on.weights(by) @ phases[-going_on.size :])
         for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
     ]
-    left2 = seen.noise_rad**2
-    if track.departure is not None:
-        left2 = _shared2(seen.phase_rad - np.mean(seen.phase_rad))
-    square = 2.0 * (left2 + within_rad**2)
-    square += going_on.error2(before) + going_on.error2(after)
-    return ends_rad[1] - ends_rad[0], math.sqrt(square)
+    error2 = going_on.error2(before) + going_on.error2(after)
+    return ends_rad[1] - ends_rad[0], math.sqrt(of_phases2 + error2)
 
 
 def middles_of_periods(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:

@@ -1,0 +1,88 @@
+"""Phases of periods of a speed that settles: a line and an exponential, from the first to the last row."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+_FASTEST, _RATES = 0.4, 60  # of a period
+_PARAMETERS = 4  # of a line, an amplitude and a rate, as of a polynomial of the third degree
+_CLEARLY = 16.0  # mean squares of noise
+_AS_NOISE = 2.5  # times the noise
+
+
+@dataclass(frozen=True)
+class SettlingPhase:
+    """`offset` + `slope` t + `settling` exp(-`rate` t), rad, t in periods from the first of `count` phases,
+    each the mean over its period; `noise2`, rad^2, is their mean square about it."""
+
+    offset: float
+    slope: float
+    settling: float
+    rate: float
+    count: int
+    noise2: float
+
+    def turned(self, before: float, after: float) -> tuple[float, float]:
+        """Return the phase from `before` periods before the first one to `after` periods after the last, rad,
+        and its mean square error, rad^2."""
+        ends = np.array([-before, self.count - 1.0 + after])
+        derivatives = self._derivatives(ends)
+        across = derivatives[1] - derivatives[0]
+        of_means = self._derivatives(np.arange(self.count, dtype=np.float64))
+        of_means[:, 2:] *= _mean_over_period(self.rate)
+        weights = across @ np.linalg.pinv(of_means)
+        turned_rad = float(across[:3] @ np.array([self.offset, self.slope, self.settling]))
+        return turned_rad, float(weights @ weights) * self.noise2
+
+    def _derivatives(self, periods: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return those with all four parameters, shape (n, 4)."""
+        basis = _basis(periods, self.rate)
+        return np.column_stack([basis, -self.settling * periods * basis[:, 2]])
+
+
+def settling_phase(phase_rad: NDArray[np.float64], noise2: float) -> SettlingPhase | None:
+    """Return the settling that phases, shape (n,), show, None where they show none.
+
+    They do where it leaves no more than noise of the mean square `noise2`, rad^2, and clearly less than a
+    polynomial with as many parameters.
+    """
+    count = len(phase_rad)
+    spare = count - _PARAMETERS
+    if spare < 1 or not noise2 > 0.0:
+        return None
+    periods = np.arange(count, dtype=np.float64)
+    cubic = np.polynomial.Polynomial.fit(periods, phase_rad, _PARAMETERS - 1)
+    of_cubic2 = float(np.sum((phase_rad - cubic(periods)) ** 2))
+    rates = 1.0 / np.geomspace(_FASTEST, count, _RATES)
+    coarse = min(rates, key=lambda rate: _fit(periods, phase_rad, rate)[0])
+    apart = float(rates[0] / rates[1])
+    fine = coarse * np.geomspace(1.0 / apart, apart, _RATES)
+    rate = float(min(fine, key=lambda rate: _fit(periods, phase_rad, rate)[0]))
+    left2, found = _fit(periods, phase_rad, rate)
+    about2 = max(left2 / spare, noise2)
+    if left2 > _AS_NOISE * noise2 * spare or of_cubic2 - left2 < _CLEARLY * about2:
+        return None
+    return SettlingPhase(float(found[0]), float(found[1]), float(found[2]), rate, count, about2)
+
+
+def _fit(
+    periods: NDArray[np.float64], phase_rad: NDArray[np.float64], rate: float
+) -> tuple[float, NDArray[np.float64]]:
+    """Return the sum of squares that is left, rad^2, and offset, slope and settling."""
+    basis = _basis(periods, rate)
+    basis[:, 2] *= _mean_over_period(rate)
+    found = np.asarray(np.linalg.lstsq(basis, phase_rad, rcond=None)[0])
+    return float(np.sum((phase_rad - basis @ found) ** 2)), found
+
+
+def _basis(periods: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
+    return np.column_stack([np.ones_like(periods), periods, np.exp(-rate * periods)])
+
+
+def _mean_over_period(rate: float) -> float:
+    """Return the mean of an exponential over a period, in units of its value in the middle."""
+    return math.sinh(0.5 * rate) / (0.5 * rate)
