@@ -134,13 +134,13 @@ def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> 
     assert math.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.15)
 
 
-@pytest.mark.parametrize("late", [0.0, 0.4, 1.2])
+@pytest.mark.parametrize("late", [0.0, 1.2])
 def test_a_latency_near_the_least_that_is_possible_is_as_uncertain_as_it_is_off(late: float) -> None:
     random, found = np.random.default_rng(5), []
-    for _ in range(60):
-        since = np.arange(1500) - 100 + random.uniform() - late
-        y = 1.0 - np.exp(-np.maximum(since, 0.0) / 20.0) + 0.02 * random.standard_normal(1500)
-        block = _block(y, _step(0.0, 1.0, rows=1500))
+    for _ in range(24):
+        since = np.arange(700) - 100 + random.uniform() - late
+        y = 1.0 - np.exp(-np.maximum(since, 0.0) / 20.0) + 0.02 * random.standard_normal(700)
+        block = _block(y, _step(0.0, 1.0, rows=700))
         for each in analyze_step(block, "torque", "torque_reference").measurements:
             if each.name == "step_latency" and each.uncertainty is not None:
                 truth = late - 20.0 * math.log(0.98)
