@@ -13,7 +13,7 @@ from benchtool.errors import AnalysisError
 
 def marks_of_rotor(track: PhaseTrack) -> NDArray[np.float64]:
     """Return the sample numbers at which periods begin, shape (periods + 1,): where the rotor is, also while
-    its speed swings, if the track was made from an angle that departs from it."""
+    its speed swings, if the track was made from an angle that departs from it, or follows a signal."""
     tracks = along_angle(track, track.samples / track.periods)
     return (tracks.within or tracks.of_periods or track).period_marks()
 

@@ -14,7 +14,7 @@ from benchtool.analysis.periods import PhaseTrack, rows_of_marks
 from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
-from benchtool.analysis.spectra.period_marks import marks_of_rotor, marks_of_tone
+from benchtool.analysis.spectra.period_marks import marks_of_rotor
 from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
@@ -35,7 +35,6 @@ from benchtool.block import Block, as_samples
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
-_CURRENT = "i_a"
 _TOO_SLOW_NOISE = "noise too slow for the record"
 _MEET_SLOWLY = (
     "it, or where in its few steps the rows fall, wanders more slowly than the record shows: record longer, "
@@ -118,7 +117,7 @@ def ripple_numbers(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     # without an angle the machine may slip
     has_angle = track is not None and track.residual_rad is not None
-    marks = None if track is None else _marks(block, track)
+    marks = None if track is None else marks_of_rotor(track)
     return ripple_of_rows(
         samples,
         unit,
@@ -130,13 +129,6 @@ def ripple_numbers(
         what=what or channel,
         channel=channel,
     )
-
-
-def _marks(block: Block, track: PhaseTrack) -> NDArray[np.float64]:
-    """Return where electrical periods begin: by the angle of the track, or by the current that gave it."""
-    if track.residual_rad is None and _CURRENT in block.names:
-        return marks_of_tone(np.ascontiguousarray(block.column(_CURRENT)), block.sample_rate_Hz, track)
-    return marks_of_rotor(track)
 
 
 def ripple_of_rows(

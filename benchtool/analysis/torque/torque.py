@@ -13,10 +13,12 @@ from benchtool.analysis.drawings import STEADY, TORQUE, WAVEFORMS
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.torque.ripple import ripple_numbers
 from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
+from benchtool.errors import AnalysisError
 
 
 def torque_ripple(
@@ -204,10 +206,21 @@ def _of_estimate(window: Window) -> tuple[Measurement, ...]:
     return torque_ripple(
         window.block,
         torque_rated_Nm=window.torque_rated_Nm,
-        track=window.track,
+        track=_followed(window),
         pole_pairs=window.pole_pairs,
         what=what,
     )
+
+
+def _followed(window: Window) -> PhaseTrack | None:
+    """Return the track by the angle, or without one that of the current, which its spectrum follows also
+    while its frequency changes."""
+    if window.track is None or window.track.residual_rad is not None:
+        return window.track
+    try:
+        return window.cached(current_of).track
+    except AnalysisError:  # too fast to be followed
+        return window.track
 
 
 def _of_transducer(window: Window) -> tuple[Measurement, ...]:
