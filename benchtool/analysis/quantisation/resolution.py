@@ -13,7 +13,7 @@ _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
 _ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
-_MOST_PLACES, _OF_A_DIGIT = 10, 1e-4
+_MOST_PLACES, _OF_A_DIGIT, _LEAST_OF_TEXT = 10, 1e-4, 1e-280
 _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 _EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
@@ -78,14 +78,18 @@ def _step_of(values: NDArray[np.float64]) -> float:
         divisor = _divisor(steps, rounding * largest, max(_ABOVE_ROUNDING * rounding * largest, _SUBNORMAL))
         if divisor > 0.0:
             return min(divisor, step)
-    is_32_bit = np.array_equal(values, values.astype(np.float32).astype(np.float64))
+    with np.errstate(over="ignore", under="ignore"):
+        is_32_bit = np.array_equal(values, values.astype(np.float32).astype(np.float64))
     return float(np.spacing(np.float32(largest))) if is_32_bit else 0.0
 
 
 def _decimal_step(values: NDArray[np.float64]) -> float:
-    """Return the step of rising values, shape (n,), that are decimal numbers of nine places or fewer behind
+    """Return the step of rising values, shape (n,), that are decimal numbers of ten places or fewer behind
     the first digit of the largest, as text has them; 0 where they are not."""
-    first = math.floor(math.log10(float(np.max(np.abs(values)))))
+    largest = float(np.max(np.abs(values)))
+    if not _LEAST_OF_TEXT < largest < 1.0 / _LEAST_OF_TEXT:
+        return 0.0
+    first = math.floor(math.log10(largest))
     for places in range(_MOST_PLACES + 1):
         scaled = values * 10.0 ** (places - first)
         whole = np.round(scaled)

@@ -71,3 +71,9 @@ def test_values_that_were_computed_have_no_step_but_their_rounding() -> None:
     assert counting_step(np.random.default_rng(0).standard_normal(300)) == 0.0
     assert resolution(np.full(9, 1.5)) == resolution(np.array([])) == 0.0
     assert resolution(np.array([1.0, 1.0, 1.25, 3.0])) == 0.25
+
+
+@pytest.mark.parametrize("largest", [5e-324, 1e-300, 1e-40, 1e39, 1e300])
+def test_numbers_of_any_size_have_a_resolution(largest: float) -> None:
+    found = resolution(largest * np.sin(np.arange(9.0)))
+    assert 0.0 <= found <= largest
