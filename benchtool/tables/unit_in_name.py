@@ -23,9 +23,8 @@ _BEHIND_A_COMMA = re.compile(r".+,\s*(\S{1,4})")
 _OTHER_LETTERS = re.compile(r".+\s([^\x00-\x7f°µμ·Ωφθωψαβ]{1,4})")
 _LAST_WORD = re.compile(r"(?P<name>.*[^_\s])(?P<between>[_\s])\s*(?P<last>\S+)")
 _SIGNS = re.compile(r"[%‰]")
-_PER_DIVISION = re.compile(
-    r"[A-Za-zµ°]+(?:/|_|\s)(?:div|skt)\b", re.IGNORECASE
-)  # of an oscilloscope's screen
+# of an oscilloscope's screen
+_PER_DIVISION = re.compile(r"[A-Za-zµ°]+(?:/|_|\s)(?:div|skt)\b", re.IGNORECASE)
 _OTHER_SCALES = (
     _PER_DIVISION,
     re.compile(r"\bp\.\s?u\b\.?", re.IGNORECASE),

@@ -28,9 +28,7 @@ _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
-_LAST_DIGIT = (
-    1e-6  # of the strongest line: where samples are everywhere in a period, a smaller step is rounding
-)
+_LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding, unless samples are at few places
 _OF_STEPS = 1.25  # times the power that steps add on average: of one waveform it is another
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
