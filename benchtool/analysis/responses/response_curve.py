@@ -377,7 +377,7 @@ class ResponseCurve:
 
     def _fits(self, frequency_Hz: float) -> tuple[LocalParabola, LocalParabola]:
         """Return the local fits about a frequency: the shortened one, and the longest that describes its
-        points; one that does not by chance is passed over where the next longer one does."""
+        points; by chance one or two do not, and are passed over where the next longer one does."""
         places = self.frequency_Hz / frequency_Hz - np.ones(len(self.frequency_Hz))
         nearest = np.argsort(np.abs(places), kind="stable")
         within = int(np.count_nonzero(np.abs(places) <= _REACH))
