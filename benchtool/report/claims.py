@@ -3,7 +3,7 @@
 A plan runs the publication literally in a variant called `literal`; its other cases follow the choices of the
 profile. A case that is the same in both readings has no such variant. A claim is judged as a limit with
 `margin = "U"` is: numbers closer to each other than the uncertainty of their difference leave it undecided
-(JCGM 106:2012, 8.3); a number without an uncertainty is compared as it stands.
+(JCGM 106:2012, 8.3), and so does a number whose uncertainty is not known.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> 
         right = _measured(figures, *there, by_the_letter)
         beside = " ".join(part for part, mine in zip(there, place, strict=True) if part != mine) + " "
     else:
-        right, beside = _Number(float(comparison.value or 0.0), left.unit), ""
+        right, beside = _Number(float(comparison.value or 0.0), left.unit, _EXACT), ""
     if right is None:
         return Standing.NOT_MEASURED, f"{name} not measured"
     times = comparison.times
@@ -112,22 +112,27 @@ def _compared(comparison: Comparison, figures: Figures, by_the_letter: bool) -> 
 
 @dataclass(frozen=True)
 class _Number:
-    """A finite value and its uncertainty for any record of the same state; zero where none is known."""
+    """A finite value and its uncertainty for any record of the same state; None where that is not known."""
 
     value: float
     unit: str
-    uncertainty: Uncertainty = _EXACT
+    uncertainty: Uncertainty | None
 
     def __str__(self) -> str:
-        exact = self.uncertainty is _EXACT
+        if self.uncertainty is None:
+            return f"{self.value:.4g} {self.unit}".rstrip() + " without U"
+        exact = self.uncertainty.standard == 0.0
         value = f"{self.value:.4g}" if exact else with_expanded(self.value, self.uncertainty)
         return f"{value} {self.unit}".rstrip()
 
     def __mul__(self, factor: float) -> _Number:
-        return _Number(factor * self.value, self.unit, self.uncertainty.scaled(factor))
+        scaled = None if self.uncertainty is None else self.uncertainty.scaled(factor)
+        return _Number(factor * self.value, self.unit, scaled)
 
     def above(self, other: _Number) -> Standing:
         """Tell whether this number is the greater one by more than the uncertainty of the difference."""
+        if self.uncertainty is None or other.uncertainty is None:
+            return Standing.UNDECIDED
         room = self.value - other.value
         of_both = of_difference(self.uncertainty, other.uncertainty, (self.value, other.value))
         if abs(room) < of_both.expanded:
@@ -154,6 +159,5 @@ def _measured(figures: Figures, plan: str, case: str, name: str, by_the_letter: 
     if each is None or not math.isfinite(each.value):
         return None
     uncertainty = each.uncertainty_of_state
-    if uncertainty is None or not math.isfinite(uncertainty.expanded):
-        return _Number(each.value, each.unit)
-    return _Number(each.value, each.unit, uncertainty)
+    known = uncertainty is not None and math.isfinite(uncertainty.expanded)
+    return _Number(each.value, each.unit, uncertainty if known else None)

@@ -15,8 +15,14 @@ from benchtool.profile import Claim, Comparison, load_profile
 from benchtool.report.claims import Finding, Standing, claims_table, finding, literal, verdict
 
 
+EXACT = Uncertainty(0.0, "as stated")
+
+
 def _measured(**values: float) -> list[Measurement]:
-    return [Measurement(name, value, "Nm", "as defined") for name, value in values.items()]
+    return [
+        Measurement(name, value, "Nm", "as defined", uncertainty=EXACT if math.isfinite(value) else None)
+        for name, value in values.items()
+    ]
 
 
 FIGURES = {
@@ -106,6 +112,18 @@ def test_what_another_record_differs_by_counts() -> None:
     again = Contribution("another record", "A", 0.2)
     claim = _claim(relation="below", value=1.2)
     assert _standing(claim, _with_U("ripple", 1.0, 0.1, repeatability=again)) is Standing.UNDECIDED
+
+
+@pytest.mark.parametrize("relation", ["below", "above", "near"])
+def test_a_number_without_an_uncertainty_decides_no_claim(relation: str) -> None:
+    bare, known = Measurement("ripple", 1.0, "Nm", "as defined"), _with_U("ripple", 1.0, 0.1)
+    stated = _claim(relation=relation, value=9.0)
+    assert _standing(stated, bare) is Standing.UNDECIDED
+    (number,) = finding(stated, {"fig": {"new": [bare]}}, by_the_letter=False).numbers
+    assert number.startswith("fig new ripple 1 Nm without U ")
+    compared = _claim(relation=relation, other={"case": "old"}, times=9.0)
+    assert _standing(compared, known, other=bare) is Standing.UNDECIDED
+    assert _standing(compared, bare, other=known) is Standing.UNDECIDED
 
 
 def test_one_comparison_that_fails_is_enough() -> None:
