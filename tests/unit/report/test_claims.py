@@ -14,7 +14,6 @@ from benchtool.plan.model import load_plan, plan_names
 from benchtool.profile import Claim, Comparison, load_profile
 from benchtool.report.claims import Finding, Standing, claims_table, finding, literal, verdict
 
-
 EXACT = Uncertainty(0.0, "as stated")
 
 

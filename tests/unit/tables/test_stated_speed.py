@@ -12,6 +12,7 @@ from benchtool.profile import Bench, Sensor
 from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.remarks import RemarkKind
 from benchtool.tables.scaling import quantity, speed_hint
+from tests.at_length import at_length
 
 SPEED_RAD_S = 80.0
 MEAN_NM, RIPPLE_NM = 2.0, 0.1
@@ -40,7 +41,7 @@ def numbers(
     return {each.name: each for each in answer.measurements}
 
 
-@pytest.mark.parametrize("pole_pairs", [None, 4])
+@pytest.mark.parametrize("pole_pairs", [4, *at_length(None)])
 def test_the_uncertainty_of_the_mean_is_what_repeated_records_scatter_by(
     tmp_path: Path, pole_pairs: int | None
 ) -> None:

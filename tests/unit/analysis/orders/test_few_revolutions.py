@@ -13,6 +13,7 @@ from benchtool.analysis.orders.angle_orders import fit_orders
 from benchtool.analysis.orders.order_spectrum import orders_at_speed
 from benchtool.analysis.orders.orders import describe_orders
 from benchtool.block import Block
+from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import torque_at
 from tests.unit.analysis.orders.test_orders import fitted, uneven_angle
 
@@ -51,7 +52,7 @@ def test_orders_that_take_along_half_of_the_rows_leave_less_scatter(revolutions:
     assert 0.7 < float(np.sqrt(np.mean(np.square(errors)))) < 1.25
 
 
-@pytest.mark.parametrize("revolutions", [2.3, 3.3, 4.3])
+@pytest.mark.parametrize("revolutions", [2.3, *at_length(3.3, 4.3)])
 def test_few_pairs_of_bins_count_once_in_orders_by_time(revolutions: float) -> None:
     """Beside order 1 there are few pairs, beside order 6 as many as are asked for."""
     errors, rows = [], 3000

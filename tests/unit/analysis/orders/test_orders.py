@@ -22,6 +22,7 @@ from benchtool.analysis.orders.orders import describe_orders, order_analysis
 from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, order_meaning
 from benchtool.block import Gap
 from benchtool.errors import AnalysisError
+from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import COGGING, Array, block_of, steady, torque_at
 
 
@@ -422,7 +423,7 @@ def test_which_order_is_the_largest_is_not_told_beside_a_larger_one_that_may_be_
 
 
 @pytest.mark.parametrize("by_time", [True, False])
-@pytest.mark.parametrize("revolutions", [3, 7, 20])
+@pytest.mark.parametrize("revolutions", [3, *at_length(7, 20)])
 def test_of_noise_alone_an_order_stands_out_in_one_of_a_hundred_records(
     revolutions: int, by_time: bool
 ) -> None:

@@ -11,6 +11,7 @@ from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import order_analysis
 from benchtool.errors import AnalysisError
+from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import COGGING, block_of, steady, torque_at
 
 
@@ -33,7 +34,7 @@ def test_sidebands_of_a_wobble_are_in_the_uncertainty_of_the_orders_beside() -> 
     assert np.all(told.amplitude[[70, 72]] < 0.03 * sideband)
 
 
-@pytest.mark.parametrize("revolutions", [3.4, 4.6, 7.6])
+@pytest.mark.parametrize("revolutions", [4.6, *at_length(3.4, 7.6)])
 def test_few_revolutions_count_by_the_deviation_of_students_distribution(revolutions: float) -> None:
     relative = []
     for seed in range(30):

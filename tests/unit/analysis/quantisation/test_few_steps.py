@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps, rms_before_steps, steps_of_periods
+from tests.at_length import at_length
 
 SAMPLES, TURNS, RECORDS = 8_000, 37, 6
 THETA = 2.0 * np.pi * TURNS * np.arange(SAMPLES) / SAMPLES
@@ -34,7 +35,7 @@ def _errors(random: np.random.Generator, amplitude: float, noise: float) -> tupl
     return np.array(off), np.hypot(said, np.array([1.0, 0.7, 1.4, 1.4]) * of_noise)
 
 
-@pytest.mark.parametrize(("amplitude", "noise"), [(0.6, 0.1), (1.1, 0.05), (2.5, 0.1)])
+@pytest.mark.parametrize(("amplitude", "noise"), [(0.6, 0.1), *at_length((1.1, 0.05), (2.5, 0.1))])
 def test_errors_of_few_steps_are_as_large_as_said(amplitude: float, noise: float) -> None:
     random = np.random.default_rng(11)
     found = [_errors(random, amplitude * random.uniform(0.8, 1.2), noise) for _ in range(RECORDS)]
@@ -64,6 +65,7 @@ def test_a_record_that_repeats_to_the_last_digit_and_one_of_a_high_order_are_ans
     assert float(high.of_lines(phasors)[0][2999]) > 0.01
 
 
+@pytest.mark.slow
 def test_orders_of_few_steps_without_noise_may_have_any_size_that_passes_the_edges_alike() -> None:
     """Of three orders, the weaker of which readings show no better than those that steps make."""
     random, relative = np.random.default_rng(3), []

@@ -84,7 +84,7 @@ def test_noise_of_the_loop_is_no_part_of_a_response_by_the_stimulus() -> None:
 def test_no_frequency_is_picked_because_noise_turned_its_response() -> None:
     """The residual is least for -1 over the controller: errors of single frequencies would prefer that."""
     turned: list[float] = []
-    for seed in range(12):
+    for seed in range(8):
         stimulus = _noise(30_000, 100 + seed)
         found = frequency_response(*_in_loop(stimulus, 0.2, seed), RATE_HZ, stimulus=stimulus)
         used = found.trusted & (found.frequency_Hz > 450.0) & (found.frequency_Hz < 800.0)

@@ -14,6 +14,7 @@ from benchtool.analysis.orders.orders import describe_orders
 from benchtool.analysis.spectra import lines
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
+from tests.at_length import at_length
 
 Floats = NDArray[np.float64]
 
@@ -236,7 +237,7 @@ def test_of_two_lines_in_less_than_a_bin_the_larger_is_within_its_uncertainty() 
     assert within >= answered - 2
 
 
-@pytest.mark.parametrize("samples_per_period", [20.0, 7.0, 12.5])
+@pytest.mark.parametrize("samples_per_period", [7.0, *at_length(20.0, 12.5)])
 def test_steps_that_a_rate_repeats_are_in_the_uncertainty(samples_per_period: float) -> None:
     random, step, errors = np.random.default_rng(4), 2.0 / 2**10, []
     turns = np.arange(round(200 * samples_per_period)) / samples_per_period

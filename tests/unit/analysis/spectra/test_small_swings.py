@@ -9,6 +9,7 @@ import pytest
 
 from benchtool.analysis import current_spectrum, track_angle, track_tone
 from benchtool.block import Block
+from tests.at_length import at_length
 
 RATE_HZ = 10_000.0
 
@@ -102,7 +103,7 @@ def test_a_line_beside_a_harmonic_does_not_make_it_the_largest() -> None:
     assert largest.value == pytest.approx(0.0285, rel=1e-3)
 
 
-@pytest.mark.parametrize("counts", [64, 1000, 2500])
+@pytest.mark.parametrize("counts", [1000, *at_length(64, 2500)])
 @pytest.mark.parametrize("wobble_counts", [0.0, 0.02])
 def test_counts_that_beat_with_the_rows_leave_the_frequency_open(counts: int, wobble_counts: float) -> None:
     """An encoder at a rate that is nearly a ratio of whole numbers of the rows' shows no deviation."""

@@ -13,6 +13,7 @@ from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.steps.step import analyze_step
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
+from tests.at_length import at_length
 
 RATE_HZ = 10_000.0
 CHANNELS = (Channel("torque", "Nm"), Channel("torque_reference", "Nm"))
@@ -119,7 +120,7 @@ def test_a_signal_that_moves_with_its_reference_has_hardly_a_step_latency(held: 
             assert 0.0 < each.value <= each.uncertainty.standard < 0.4 / RATE_HZ
 
 
-@pytest.mark.parametrize("with_its_row", [True, False])
+@pytest.mark.parametrize("with_its_row", [False, *at_length(True)])
 def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> None:
     """Be the steps made with the rows that show them or, at random, before."""
     random, tau, found = np.random.default_rng(4), 20.0, []
@@ -134,7 +135,7 @@ def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> 
     assert math.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.2)
 
 
-@pytest.mark.parametrize("late", [0.0, 1.2])
+@pytest.mark.parametrize("late", [0.0, *at_length(1.2)])
 def test_a_latency_near_the_least_that_is_possible_is_as_uncertain_as_it_is_off(late: float) -> None:
     random, found = np.random.default_rng(5), []
     for _ in range(24):

@@ -15,6 +15,7 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.tops import kink
 from benchtool.block import Block
+from tests.at_length import at_length
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     corner = 84.3
     y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
     y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
-    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(20)]
+    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(14)]
     high = [_relative(each["overshoot"], corner / 70.0 - 1.0) for each in found]
     late = [_relative(each["peak_time"], corner / RATE_HZ) for each in found]
     assert 0.5 < np.sqrt(np.mean(np.square(high))) < 1.7
@@ -50,7 +51,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
 def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
     random = np.random.default_rng(12)
     y = 1.0 - np.exp(-np.maximum(np.arange(800.0) - BEFORE, 0.0) / 20.0)
-    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(30)]
+    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(20)]
     relative = [_relative(each, 0.0) for each in found]
     assert np.mean(np.abs(relative) <= 2.0) >= 0.9
     assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.4
@@ -83,7 +84,7 @@ def test_a_lobe_between_rows_is_the_last_outside_a_band() -> None:
         assert abs(found.place - truth) < max(0.05, 2.0 * found.standard)
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.3, 0.6, 0.9])
+@pytest.mark.parametrize("phase", [0.3, *at_length(0.0, 0.6, 0.9)])
 def test_a_trough_two_rows_after_its_peak_is_found_between_rows(phase: float) -> None:
     random = np.random.default_rng(13)
     late = np.maximum(np.arange(460.0) - 60 - phase, 0.0)
@@ -112,14 +113,14 @@ def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> 
     rows, refused = 2400, {"walk": 0, "1/f": 0}
     y = 1.0 - np.exp(-np.maximum(np.arange(float(rows)) - 500, 0.0) / 20.0)
     frequency = np.maximum(np.arange(4 * rows + 1), 1.0)
-    for _ in range(12):
+    for _ in range(8):
         walk = 2e-3 * random.standard_normal(rows) + np.cumsum(4e-4 * random.standard_normal(rows))
         bins = np.fft.rfft(random.standard_normal(8 * rows)) / np.sqrt(frequency)
         pink = np.fft.irfft(bins)[:rows]
         for name, noise in (("walk", walk), ("1/f", 0.01 * pink / np.std(pink))):
             found = _measured(y + noise, 500)["plateau_mean"]
             refused[name] += "wanders" in found.reason
-    assert refused["walk"] >= 9
+    assert refused["walk"] >= 6
     assert refused["1/f"] <= 1
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from benchtool.analysis import Measurement, torque_ripple, track_angle
 from benchtool.analysis.torque.slow_lines import slow_lines
 from benchtool.block import Block
+from tests.at_length import at_length
 
 Array = NDArray[np.float64]
 RATE_HZ, PER_PERIOD, POLE_PAIRS = 10e3, 211.7, 5
@@ -31,7 +32,7 @@ def record(periods: float, seed: int, *slow: tuple[float, float]) -> Array:
     return np.asarray(torque)
 
 
-@pytest.mark.parametrize("periods", [9.4, 30.3, 90.7])
+@pytest.mark.parametrize("periods", [9.4, *at_length(30.3, 90.7)])
 def test_a_part_of_a_revolution_moves_the_mean_by_what_is_stated(periods: float) -> None:
     relative, widest = [], 0.0
     for seed in range(16):
@@ -144,7 +145,7 @@ def test_a_percentile_that_few_crests_make_is_not_known_from_their_agreement() -
     assert least > 2e-4  # of 0.22 Nm; 3e-5 by their scatter
 
 
-@pytest.mark.parametrize("beside", [6.083, 6.23])
+@pytest.mark.parametrize("beside", [6.083, *at_length(6.23)])
 @pytest.mark.parametrize("number", ["torque_ripple_percentile_range", "torque_ripple_pp"])
 def test_numbers_of_a_beat_are_known_as_well_as_its_crests(beside: float, number: str) -> None:
     turned = 2 * np.pi * np.arange(round(40.3 * PER_PERIOD)) / PER_PERIOD
