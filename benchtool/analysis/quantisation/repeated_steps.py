@@ -203,7 +203,7 @@ def repeated_steps(
     table = _error_of_a_step(noise_beside(beside, step) / step)
     if table is None or not len(phasors):
         return None
-    kept = _without_the_weakest(phasors, step)
+    kept = without_the_weakest(phasors, step)
     if level is not None and _spanned(kept, step) < _FEW:
         points = _distinct(samples, periods, max(_FEWEST_POINTS, 4 * len(phasors)))
         found = few_steps(mean, phasors, step, level, max(0.0, beside), samples, points)
@@ -245,11 +245,11 @@ def steps_of_periods(
     `begins`, shape (periods + 1,), are the rows at which periods begin, of which so many make a revolution.
     `turns`, shape (n,), is where samples are, in periods.
     """
-    of_period = _Repeated.of(samples, begins, turns)
-    if _spanned(_without_the_weakest(of_period.phasors, step), step) < _FEW:
+    of_period = Repeated.of(samples, begins, turns)
+    if _spanned(without_the_weakest(of_period.phasors, step), step) < _FEW:
         rows = begins[::per_revolution]
         is_period = per_revolution == 1 or len(rows) <= _FEWEST_TURNS
-        of_turn = of_period if is_period else _Repeated.of(samples, rows, turns / per_revolution)
+        of_turn = of_period if is_period else Repeated.of(samples, rows, turns / per_revolution)
         found = of_turn.errors(step, level_of(samples, step))
         if found is not None and found.are_few:
             return found
@@ -258,7 +258,7 @@ def steps_of_periods(
 
 
 @dataclass(frozen=True)
-class _Repeated:
+class Repeated:
     """The mean of `periods` of a signal, its harmonics 1, 2 ..., peak `phasors` of shape (n,), and the mean
     square of the noise that is left, of so many `samples`."""
 
@@ -269,7 +269,7 @@ class _Repeated:
     periods: int
 
     @staticmethod
-    def of(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> _Repeated:
+    def of(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> Repeated:
         """Return that of samples, shape (n,), whose periods begin at these rows, shape (periods + 1,), and
         which lie at `turns`, shape (n,), in periods."""
         periods, whole = len(begins) - 1, slice(begins[0], begins[-1])
@@ -295,7 +295,7 @@ class _Repeated:
                 noise2 = left
             else:
                 phasors *= smeared
-        return _Repeated(mean, phasors, noise2, float(len(values)), periods)
+        return Repeated(mean, phasors, noise2, float(len(values)), periods)
 
     def errors(
         self, step: float, level: float | None = None, turns: Floats | None = None
@@ -406,7 +406,8 @@ def _stay(turns: Floats, places: int) -> bool:
     return float(np.abs(np.mean(np.exp(2j * np.pi * places * turns)))) > _AT_PLACES
 
 
-def _without_the_weakest(phasors: Complex, step: float) -> Complex:
+def without_the_weakest(phasors: Complex, step: float) -> Complex:
+    """Return harmonics, shape (n,), without the weakest of them, which steps may have made."""
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
     weak = order[np.cumsum(power[order]) <= _OF_STEPS * _on_average(step)]

@@ -27,6 +27,8 @@ _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
 _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
 _FINER, _TURNS = 2, 4  # rounds of the fits
+_SAME_ORDER = 0.2  # cycles over the record
+_BLOCKS_OF_CYCLE = 16  # that have a pace of their own
 _CHUNK = 1 << 13
 
 
@@ -51,11 +53,34 @@ class SlowLines:
         """Whether each is more than a cycle away from the next, and from the mean."""
         return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
 
+    def without(self, revolutions: float) -> SlowLines:
+        """Return those of them that are not once or several times in each of so many revolutions."""
+        orders = self.cycles / revolutions
+        others = np.abs(orders - np.maximum(1.0, np.round(orders))) * revolutions > _SAME_ORDER
+        return replace(self, cycles=self.cycles[others], cosine=self.cosine[others], sine=self.sine[others])
+
     def mean_at(self, place: Floats) -> float:
-        """Return the mean of their sum at places, shape (n,), and no more than incomplete cycles make it: the
-        rounding of few rows in a period to whole ones may beat with a line."""
+        """Return by how much incomplete cycles move the mean of their sum at places, shape (n,), and no more
+        than these can."""
         most = np.minimum(1.0, 1.0 / (np.pi * self.cycles)) @ np.hypot(self.cosine, self.sine)
-        return float(np.clip(np.mean(self.at(place)), -most, most))
+        return float(np.clip(np.mean(self.at(place)) - self._over_whole_cycles(place), -most, most))
+
+    def _over_whole_cycles(self, place: Floats) -> float:
+        """Return the mean of their sum over the time of whole cycles, at places, shape (n,), that are evenly
+        apart in time: it is not zero where the pace of the places swings along, as in a signal that a speed
+        follows, or where that of few rows in a period rounds to a beat.
+
+        With a pace of 1 + eta the integral of cos(x) dt is that of cos(x) dx, which whole cycles leave
+        nothing of, less that of eta cos(x) dt. Of eta, a drift counts at the ends only, and is left out.
+        """
+        blocks = min(len(place) - 1, max(_FEWEST_BLOCKS, math.ceil(_BLOCKS_OF_CYCLE * np.max(self.cycles))))
+        edges = np.linspace(0, len(place) - 1, blocks + 1).astype(np.int64)
+        pace = np.diff(place[edges]) / np.diff(edges)
+        middle = 0.5 * (place[edges[1:]] + place[edges[:-1]])
+        turned = 2.0 * np.pi * np.outer(middle, self.cycles)
+        basis = np.column_stack([np.ones(blocks), middle - 0.5, np.cos(turned), np.sin(turned)])
+        eta = np.linalg.lstsq(basis, pace / np.mean(pace) - 1.0, rcond=None)[0][2:]
+        return -0.5 * float(eta @ np.concatenate([self.cosine, self.sine]))
 
     def at(self, place: Floats) -> Floats:
         """Return their sum without the constant, at places from 0 to 1 in the record, shape (n,)."""
