@@ -8,6 +8,8 @@ alike in every period either: it is looked up along the record.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,11 +18,11 @@ from benchtool.analysis.quantisation.repeated_steps import (
     RepeatedSteps,
     error_of_steps,
     noise_beside,
-    without_the_weakest,
 )
 
 _DRAWS = 32  # of where the levels lie, and of sizes
 _APART = 0.1  # of a step, rms: how much the sizes of two of them differ
+_STANDS_OUT = 4.0  # of the noise's rms amplitude
 _MOST_ROWS = 1 << 15
 
 Floats = NDArray[np.float64]
@@ -41,11 +43,11 @@ def carried_steps(
     are, in periods.
     """
     still = Repeated.of(samples - carried, begins, turns)
-    kept = without_the_weakest(still.phasors, step)
+    noise_rms = 2.0 * float(np.std(samples - carried)) / math.sqrt(len(samples))
+    orders = np.flatnonzero(np.abs(still.phasors) > max(_STANDS_OUT * noise_rms, _APART * step))
     rows = slice(None, None, -(-len(samples) // _MOST_ROWS))
-    orders = np.flatnonzero(kept)
     waves = np.exp(2j * np.pi * np.outer(turns[rows], orders + 1))
-    waveform = still.mean + np.real(waves @ kept[orders])
+    waveform = still.mean + np.real(waves @ still.phasors[orders])
     left = float(np.mean((samples[rows] - waveform - carried[rows]) ** 2))
     noise = noise_beside(min(left, still.noise2), step)
     random = np.random.default_rng(0)

@@ -104,5 +104,6 @@ def _errors_of_steps(
     is slower than a revolution or in step with nothing."""
     carried = of_mean.carried(repeats)
     if are_carried(carried, step):
-        return carried_steps(samples, carried, repeats.rows, step, repeats.turns)
+        every = repeats.per_revolution if repeats.revolutions >= FEWEST_PERIODS else 1
+        return carried_steps(samples, carried, repeats.rows[::every], step, repeats.turns / every)
     return steps_of_periods(samples, repeats.rows, repeats.per_revolution, step, repeats.turns)
