@@ -203,7 +203,7 @@ def repeated_steps(
     table = _error_of_a_step(noise_beside(beside, step) / step)
     if table is None or not len(phasors):
         return None
-    kept = without_the_weakest(phasors, step)
+    kept = _without_the_weakest(phasors, step)
     if level is not None and _spanned(kept, step) < _FEW:
         points = _distinct(samples, periods, max(_FEWEST_POINTS, 4 * len(phasors)))
         found = few_steps(mean, phasors, step, level, max(0.0, beside), samples, points)
@@ -245,11 +245,11 @@ def steps_of_periods(
     `begins`, shape (periods + 1,), are the rows at which periods begin, of which so many make a revolution.
     `turns`, shape (n,), is where samples are, in periods.
     """
-    of_period = Repeated.of(samples, begins, turns)
-    if _spanned(without_the_weakest(of_period.phasors, step), step) < _FEW:
+    of_period = _Repeated.of(samples, begins, turns)
+    if _spanned(_without_the_weakest(of_period.phasors, step), step) < _FEW:
         rows = begins[::per_revolution]
         is_period = per_revolution == 1 or len(rows) <= _FEWEST_TURNS
-        of_turn = of_period if is_period else Repeated.of(samples, rows, turns / per_revolution)
+        of_turn = of_period if is_period else _Repeated.of(samples, rows, turns / per_revolution)
         found = of_turn.errors(step, level_of(samples, step))
         if found is not None and found.are_few:
             return found
@@ -257,8 +257,16 @@ def steps_of_periods(
     return of_period.errors(step, turns=turns)
 
 
+def left_by_periods(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> Floats:
+    """Return what their mean leaves of periods in samples, shape (n,), as of `steps_of_periods`."""
+    repeated = _Repeated.of(samples, begins, turns)
+    points = 1 << max(_FEWEST_CELLS, math.ceil(math.log2(_CELLS_PER_POINT * 2 * len(repeated.phasors))))
+    waveform = repeated.mean + _waveforms(repeated.phasors[np.newaxis], points)[0]
+    return np.asarray(samples - waveform[np.round(np.mod(turns, 1.0) * points).astype(np.int64) % points])
+
+
 @dataclass(frozen=True)
-class Repeated:
+class _Repeated:
     """The mean of `periods` of a signal, its harmonics 1, 2 ..., peak `phasors` of shape (n,), and the mean
     square of the noise that is left, of so many `samples`."""
 
@@ -269,7 +277,7 @@ class Repeated:
     periods: int
 
     @staticmethod
-    def of(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> Repeated:
+    def of(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> _Repeated:
         """Return that of samples, shape (n,), whose periods begin at these rows, shape (periods + 1,), and
         which lie at `turns`, shape (n,), in periods."""
         periods, whole = len(begins) - 1, slice(begins[0], begins[-1])
@@ -295,7 +303,7 @@ class Repeated:
                 noise2 = left
             else:
                 phasors *= smeared
-        return Repeated(mean, phasors, noise2, float(len(values)), periods)
+        return _Repeated(mean, phasors, noise2, float(len(values)), periods)
 
     def errors(
         self, step: float, level: float | None = None, turns: Floats | None = None
@@ -406,8 +414,7 @@ def _stay(turns: Floats, places: int) -> bool:
     return float(np.abs(np.mean(np.exp(2j * np.pi * places * turns)))) > _AT_PLACES
 
 
-def without_the_weakest(phasors: Complex, step: float) -> Complex:
-    """Return harmonics, shape (n,), without the weakest of them, which steps may have made."""
+def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
     weak = order[np.cumsum(power[order]) <= _OF_STEPS * _on_average(step)]

@@ -49,11 +49,6 @@ class Periods:
         """Where the rows of all periods are, from 0 to their number, shape (n,)."""
         return np.asarray(np.interp(np.arange(self.rows[-1]), self.edges, np.arange(len(self) + 1.0)))
 
-    @property
-    def revolutions(self) -> float:
-        """How many revolutions they make."""
-        return len(self) / self.per_revolution
-
     def means(self, series: Floats) -> Floats:
         """Return the means of a series, shape (n,), over each period, from mark to mark: of the row that a
         mark parts both have their share, as what the rounding to rows brings to one it takes from the
@@ -126,15 +121,6 @@ class MeanOverPeriods:
         if self.course is not None:
             found += self.course.at(place, later)
         return found
-
-    def carried(self, repeats: Periods) -> Floats:
-        """Return what moves the whole periods up and down, shape (n,): lines but those of a revolution, which
-        are alike in each, and the course."""
-        place = repeats.turns / len(repeats)
-        found = (
-            np.zeros(len(place)) if self.lines is None else self.lines.without(repeats.revolutions).at(place)
-        )
-        return found if self.course is None else found + self.course.at(place)
 
 
 def mean_over_periods(

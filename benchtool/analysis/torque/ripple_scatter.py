@@ -8,17 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation.carried_steps import are_carried, carried_steps
-from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
+from benchtool.analysis.quantisation.repeated_steps import (
+    RepeatedSteps,
+    left_by_periods,
+    steps_of_periods,
+)
+from benchtool.analysis.quantisation.steps_along import are_alike, steps_along
 from benchtool.analysis.statistics.between_samples import Between, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import MeanError, error_of_root
-from benchtool.analysis.torque.means_of_periods import (
-    FEWEST_PERIODS,
-    MeanOverPeriods,
-    Periods,
-    mean_over_periods,
-)
+from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
 from benchtool.analysis.torque.ripple_sizes import is_size_untold
@@ -91,19 +90,17 @@ def scatter_of_periods(
         mean_peak_to_peak=float(np.mean(spans)),
         whole_mean=of_mean.mean,
         whole_rms=rms,
-        steps=_errors_of_steps(within, repeats, of_mean, step) if percentiles and step > 0.0 else None,
+        steps=_errors_of_steps(within, repeats, step) if percentiles and step > 0.0 else None,
         between=between_samples(rest, repeats.turns),
     )
     return scatter.without_sizes() if is_size_untold(of_mean.left, repeats) else scatter
 
 
-def _errors_of_steps(
-    samples: Floats, repeats: Periods, of_mean: MeanOverPeriods, step: float
-) -> RepeatedSteps | None:
-    """Return the errors of a converter's steps in samples, shape (n,): alike in every period, or along what
-    is slower than a revolution or in step with nothing."""
-    carried = of_mean.carried(repeats)
-    if are_carried(carried, step):
-        every = repeats.per_revolution if repeats.revolutions >= FEWEST_PERIODS else 1
-        return carried_steps(samples, carried, repeats.rows[::every], step, repeats.turns / every)
-    return steps_of_periods(samples, repeats.rows, repeats.per_revolution, step, repeats.turns)
+def _errors_of_steps(samples: Floats, repeats: Periods, step: float) -> RepeatedSteps | None:
+    """Return the errors of a converter's steps in samples, shape (n,): alike in every period or revolution,
+    or along what repeats in none."""
+    rows, turns = repeats.rows, repeats.turns
+    every = repeats.per_revolution if len(repeats) >= FEWEST_PERIODS * repeats.per_revolution else 1
+    if are_alike(left_by_periods(samples, rows[::every], turns / every), step):
+        return steps_of_periods(samples, rows, repeats.per_revolution, step, turns)
+    return steps_along(samples, step)

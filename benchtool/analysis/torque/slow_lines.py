@@ -27,7 +27,6 @@ _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
 _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
 _FINER, _TURNS = 2, 4  # rounds of the fits
-_SAME_ORDER = 0.2  # cycles over the record
 _BLOCKS_OF_CYCLE = 16  # that have a pace of their own
 _CHUNK = 1 << 13
 
@@ -52,12 +51,6 @@ class SlowLines:
     def are_apart(self) -> bool:
         """Whether each is more than a cycle away from the next, and from the mean."""
         return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
-
-    def without(self, revolutions: float) -> SlowLines:
-        """Return those of them that are not once or several times in each of so many revolutions."""
-        orders = self.cycles / revolutions
-        others = np.abs(orders - np.maximum(1.0, np.round(orders))) * revolutions > _SAME_ORDER
-        return replace(self, cycles=self.cycles[others], cosine=self.cosine[others], sine=self.sine[others])
 
     def mean_at(self, place: Floats) -> float:
         """Return by how much incomplete cycles move the mean of their sum at places, shape (n,), and no more
