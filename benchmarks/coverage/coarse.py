@@ -17,13 +17,14 @@ from benchtool.analysis import Measurement, analyze_response, order_analysis, to
 from benchtool.block import Block
 
 RATE_HZ, STEP_NM = 2_000.0, 0.05
-_POLE_PAIRS = 2
 
 
 @dataclass(frozen=True)
 class Coarse:
     """A torque along an angle, in steps of 0.05 Nm: orders (order, steps), each 30 % larger or smaller from
-    record to record, noise of as many steps, and a speed, each from the first to the second number."""
+    record to record, noise of as many steps, and a speed, each from the first to the second number. Lines
+    (cycles in a revolution, steps) are 10 % faster or slower, in step with nothing. Where revolutions are
+    not known, electrical periods alone are."""
 
     orders: tuple[tuple[int, float], ...] = ((6, 0.6),)
     noise: tuple[float, float] = (0.02, 0.02)
@@ -31,6 +32,9 @@ class Coarse:
     absent: int = 4
     revolutions: float = 60.3
     speed_Hz: tuple[float, float] = (7.5, 7.5)
+    lines: tuple[tuple[float, float], ...] = ()
+    pole_pairs: int = 2
+    are_revolutions_known: bool = True
 
 
 def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
@@ -48,17 +52,24 @@ def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[tuple[Measure
         torque += amplitude * np.cos(order * theta_m + random.uniform(0, 2 * np.pi))
         truths[f"torque_order_{order}"] = amplitude
     square = 0.5 * sum(amplitude**2 for amplitude in truths.values()) + noise**2
+    for cycles, steps in what.lines:
+        amplitude = STEP_NM * steps * random.uniform(0.7, 1.3)
+        torque += amplitude * np.cos(
+            cycles * random.uniform(0.9, 1.1) * theta_m + random.uniform(0, 2 * np.pi)
+        )
+        square += 0.5 * amplitude**2
     if what.kind == "rectangular":
         torque += noise * random.uniform(-math.sqrt(3.0), math.sqrt(3.0), count)
     else:
         torque += noise * coloured(random.standard_normal(count), 0.9 if what.kind == "coloured" else 0.0)
     read = converted(torque, STEP_NM, random)
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read, theta_m=np.mod(theta_m, 2 * np.pi))
-    track = track_angle(np.asarray(theta_m), _POLE_PAIRS)
+    track = track_angle(np.asarray(theta_m), what.pole_pairs)
     found = order_analysis(block, "torque", orders=[what.absent, *(order for order, _ in what.orders)])
     yield from selected(found.measurements, truths)
     truths = {"torque_mean": mean, "torque_ripple_rms": math.sqrt(square)}
-    yield from selected(torque_ripple(block, track=track, pole_pairs=_POLE_PAIRS), truths)
+    pole_pairs = what.pole_pairs if what.are_revolutions_known else 1
+    yield from selected(torque_ripple(block, track=track, pole_pairs=pole_pairs), truths)
 
 
 @dataclass(frozen=True)
@@ -95,6 +106,15 @@ TORQUE: Mapping[str, Coarse] = {
     "coarse_coloured": Coarse(noise=(0.1, 0.5), kind="coloured"),
     "coarse_three_orders": Coarse(((12, 0.6), (24, 0.3), (3, 0.25)), (0.01, 0.3), speed_Hz=(5.0, 15.0)),
     "coarse_three_orders_silent": Coarse(((12, 0.6), (24, 0.3), (3, 0.25)), (0.0, 0.0), speed_Hz=(5.0, 15.0)),
+    "coarse_slow_line": Coarse(((6, 0.4),), (0.02, 0.3), lines=((0.1, 3.5),)),
+    "coarse_slow_line_of_a_step": Coarse(((6, 1.0),), (0.02, 0.3), lines=((0.1, 1.0),)),
+    "coarse_slow_line_silent": Coarse(((6, 0.4),), (0.0, 0.0), lines=((0.1, 3.5),)),
+    "coarse_line": Coarse(((6, 0.4),), (0.02, 0.3), lines=((7.4, 2.0),)),
+    "coarse_two_lines_silent": Coarse((), (0.0, 0.0), lines=((0.23, 1.4), (7.4, 2.0))),
+    "coarse_order_of_no_period": Coarse(((6, 3.0),), (0.02, 0.3), pole_pairs=4, are_revolutions_known=False),
+    "coarse_order_of_no_period_silent": Coarse(
+        ((6, 1.0),), (0.0, 0.0), speed_Hz=(5.0, 15.0), pole_pairs=4, are_revolutions_known=False
+    ),
     "coarse_few_turns": Coarse(orders=((6, 0.9),), noise=(0.05, 0.3), revolutions=8.4),
 }
 OUTPUTS: Mapping[str, CoarseOutput] = {

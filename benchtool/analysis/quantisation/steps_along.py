@@ -9,6 +9,7 @@ along the record, in all that stands out of its spectrum.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +20,18 @@ from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, error_
 _DRAWS = 32  # of where the levels lie, and of the size of the signal
 _APART = 0.1  # of a step: by how much signals of two draws differ, rms, and which lines are left out
 _STANDS_OUT = 4.0  # of the amplitude of noise of a step
+_LEAST_LEAK = 0.02  # of a step
 _MOST_ROWS = 1 << 15
 
 Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
+@dataclass(frozen=True)
 class StepsAlong(RepeatedSteps):
-    """As of one period that is the whole record, of any levels."""
+    """As of one period that is the whole record, of so many `periods`, and of any levels."""
+
+    periods: int = 1
 
     @property
     def of_rms(self) -> float:
@@ -35,37 +41,77 @@ class StepsAlong(RepeatedSteps):
         moved = 2.0 * np.mean(self.errors * deviation, axis=1) + added - np.mean(added)
         return math.sqrt(float(np.mean(moved**2))) / (2.0 * float(np.std(self.waveform)))
 
+    @property
+    def highest_order(self) -> int:
+        return super().highest_order // self.periods
+
+    def _lines(self, orders: NDArray[np.int64]) -> Complex:
+        return super()._lines(orders * self.periods)
+
 
 def steps_along(samples: Floats, step: float) -> StepsAlong | None:
     """Return the errors of steps along samples, shape (n,), over levels in all places; None where noise hides
     them, or where nothing stands out of it."""
-    mean = float(np.mean(samples))
-    signal = _standing_out(samples, step)
+    return steps_of_lines(_lines_of(samples), step)
+
+
+def steps_of_lines(lines: Complex, step: float, periods: int = 1, in_band: float = 1.0) -> StepsAlong | None:
+    """Return the errors of steps along a record of so many periods, as `steps_along`, by all `lines` of it,
+    shape (n,): peak amplitudes of cosines, the first its mean, up to a share of half of the rate."""
+    stand_out = _stand_out(lines, step)
+    about, mean = np.append(0.0, lines[1:]), float(lines[0].real)
+    signal, rest = (_along(np.where(each, about, 0.0)) for each in (stand_out, ~stand_out))
     size = float(np.std(signal))
     if not size > 0.0:
         return None
     # at the ends the spectrum leaves out more
-    left = np.average((samples - mean - signal) ** 2, weights=np.hanning(len(samples)))
-    noise = noise_beside(float(left), step)
-    signal = signal[:: -(-len(samples) // _MOST_ROWS)]
+    left = float(np.average(rest**2, weights=np.hanning(len(rest)))) / in_band
+    noise = noise_beside(left, step)
+    signal = signal[:: -(-len(signal) // _MOST_ROWS)]
     larger = 1.0 + _APART * step / size * np.random.default_rng(0).standard_normal(_DRAWS)
     found = [
         error_of_steps(mean + each * signal, step, noise, level)
         for each, level in zip(larger, step * np.arange(_DRAWS) / _DRAWS, strict=True)
     ]
     errors = [each for each in found if each is not None]
-    return StepsAlong(mean + signal, np.array(errors), 1) if errors else None
+    return StepsAlong(mean + signal, np.array(errors), 1, periods) if errors else None
 
 
-def are_alike(left: Floats, step: float) -> bool:
+def are_alike(lines: Complex, step: float, periods: int = 1) -> bool:
+    """Return whether periods are read in the same parts of the steps: by the lines that are none of their
+    harmonics, of all `lines` as of `steps_of_lines`."""
+    others = _stand_out(lines, step)
+    if periods > 1:
+        others[::periods] = False
+    return 0.5 * float(np.sum(np.abs(lines[others]) ** 2)) < (_APART * step) ** 2
+
+
+def are_alike_but_for(left: Floats, step: float) -> bool:
     """Return whether periods are read in the same parts of the steps, by what their mean has `left` of
     samples, shape (n,)."""
-    return float(np.std(_standing_out(left, step))) < _APART * step
+    return are_alike(_lines_of(left), step)
 
 
-def _standing_out(samples: Floats, step: float) -> Floats:
-    """Return the lines of samples about their mean, shape (n,), that stand out of noise of a step."""
-    count = len(samples)
-    bins = fft.rfft(samples - np.mean(samples))
-    bins[np.abs(bins) < 0.5 * count * step * max(_APART, _STANDS_OUT * 2.0 / math.sqrt(count))] = 0.0
-    return np.asarray(fft.irfft(bins, count))
+def _lines_of(samples: Floats) -> Complex:
+    lines = fft.rfft(samples) * (2.0 / len(samples))
+    lines[0] *= 0.5
+    return np.asarray(lines)
+
+
+def _stand_out(lines: Complex, step: float) -> NDArray[np.bool_]:
+    """Return which lines but the mean stand out of noise of a step, and are not small against it, or are
+    beside such a line as far as it leaks, by 1 / (pi bins)."""
+    size = np.abs(lines) / step
+    size[0] = 0.0
+    found = size > max(_APART, _STANDS_OUT * 2.0 / math.sqrt(2 * len(lines)))
+    inner = np.append(size, 0.0)
+    for peak in np.flatnonzero(found & (size >= np.roll(inner, 1)[:-1]) & (size >= inner[1:])):
+        leaks = math.ceil(size[peak] / (math.pi * _LEAST_LEAK))
+        found[max(1, peak - leaks) : peak + leaks + 1] = True
+    return np.asarray(found)
+
+
+def _along(lines: Complex) -> Floats:
+    """Return what lines of no mean are along a record, shape (about twice as many,)."""
+    count = 2 * len(lines) - 1
+    return np.asarray(fft.irfft(lines * (0.5 * count), count))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, repeated_steps
+from benchtool.analysis.quantisation.steps_along import are_alike, steps_of_lines
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 _MOSTLY = 0.95  # of the places of a converter's levels
@@ -19,8 +20,8 @@ def converter_steps(
     turns: NDArray[np.float64] | None = None,
     level: float | None = None,
 ) -> RepeatedSteps | None:
-    """Return the errors that a converter's steps repeat with a signal; None where there are none, or the
-    noise between the harmonics hides them.
+    """Return the errors that a converter's steps repeat with a signal, or make along one that lines between
+    its harmonics take to other parts of the steps; None where there are none, or noise hides them.
 
     `turns`, shape (n,), are where the samples were taken, in periods from the first of the spectrum on, and
     `level` a value of the converter, where these are known.
@@ -28,9 +29,11 @@ def converter_steps(
     periods, lines = spectrum.periods, spectrum.phasor[spectrum.periods :: spectrum.periods]
     if not step > 0.0:
         return None
+    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
+    if not are_alike(spectrum.phasor, step, periods):
+        return steps_of_lines(spectrum.phasor, step, periods, in_band)
     square = np.square(spectrum.amplitude)
     between = 0.5 * float(np.sum(square[1:]) - np.sum(square[periods::periods]))
-    in_band = 2.0 * (len(spectrum.amplitude) / spectrum.samples)
     mean = float(spectrum.phasor[0].real)
     return repeated_steps(mean, lines, step, between / in_band, spectrum.samples, periods, turns, level)
 
