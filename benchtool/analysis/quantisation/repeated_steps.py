@@ -24,12 +24,14 @@ from numpy.typing import NDArray
 from benchtool.analysis.quantisation.few_steps import FewSteps, few_steps
 from benchtool.analysis.quantisation.resolution import level_of
 
+OF_STEPS = 1.25
+"""Times the power that steps add on average, as of one waveform it is another."""
+
 _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding, unless samples are at few places
-_OF_STEPS = 1.25  # times the power that steps add on average: of one waveform it is another
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
 _OF_PLACES = 2  # times as many where some of them count more than others
@@ -257,14 +259,6 @@ def steps_of_periods(
     return of_period.errors(step, turns=turns)
 
 
-def left_by_periods(samples: Floats, begins: NDArray[np.int64], turns: Floats) -> Floats:
-    """Return what their mean leaves of periods in samples, shape (n,), as of `steps_of_periods`."""
-    repeated = _Repeated.of(samples, begins, turns)
-    points = 1 << max(_FEWEST_CELLS, math.ceil(math.log2(_CELLS_PER_POINT * 2 * len(repeated.phasors))))
-    waveform = repeated.mean + _waveforms(repeated.phasors[np.newaxis], points)[0]
-    return np.asarray(samples - waveform[np.round(np.mod(turns, 1.0) * points).astype(np.int64) % points])
-
-
 @dataclass(frozen=True)
 class _Repeated:
     """The mean of `periods` of a signal, its harmonics 1, 2 ..., peak `phasors` of shape (n,), and the mean
@@ -417,7 +411,7 @@ def _stay(turns: Floats, places: int) -> bool:
 def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
-    weak = order[np.cumsum(power[order]) <= _OF_STEPS * _on_average(step)]
+    weak = order[np.cumsum(power[order]) <= OF_STEPS * _on_average(step)]
     kept = phasors.copy()
     kept[weak] = 0.0
     return kept

@@ -12,14 +12,23 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy import fft
 
-from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, error_of_steps, noise_beside
+from benchtool.analysis.quantisation.repeated_steps import (
+    OF_STEPS,
+    RepeatedSteps,
+    error_of_steps,
+    noise_beside,
+)
 
 _DRAWS = 32  # of where the levels lie, and of the size of the signal
-_APART = 0.1  # of a step: by how much signals of two draws differ, rms, and which lines are left out
+_APART = 0.1  # of a step: by how much signals of two draws differ, rms
+_LEAST_LINE = 0.25  # of a step: smaller ones may be made by steps, and count as noise
 _STANDS_OUT = 4.0  # of the amplitude of noise of a step
+_NEIGHBOURS, _FEW = 4, 32.0  # on either side; steps, from least to greatest
+_ONE_PLACE = 1e-15  # square of a distance that is rounding
 _LEAST_LEAK = 0.02  # of a step
 _MOST_ROWS = 1 << 15
 
@@ -58,7 +67,7 @@ def steps_along(samples: Floats, step: float) -> StepsAlong | None:
 def steps_of_lines(lines: Complex, step: float, periods: int = 1, in_band: float = 1.0) -> StepsAlong | None:
     """Return the errors of steps along a record of so many periods, as `steps_along`, by all `lines` of it,
     shape (n,): peak amplitudes of cosines, the first its mean, up to a share of half of the rate."""
-    stand_out = _stand_out(lines, step)
+    stand_out = _with_leaks(_stand_out(lines, step), lines, step)
     about, mean = np.append(0.0, lines[1:]), float(lines[0].real)
     signal, rest = (_along(np.where(each, about, 0.0)) for each in (stand_out, ~stand_out))
     size = float(np.std(signal))
@@ -78,18 +87,42 @@ def steps_of_lines(lines: Complex, step: float, periods: int = 1, in_band: float
 
 
 def are_alike(lines: Complex, step: float, periods: int = 1) -> bool:
-    """Return whether periods are read in the same parts of the steps: by the lines that are none of their
-    harmonics, of all `lines` as of `steps_of_lines`."""
+    """Return whether periods are read in the same parts of the steps: whether the lines that are none of
+    their harmonics, of all `lines` as of `steps_of_lines`, are no more than steps themselves may make of
+    them."""
     others = _stand_out(lines, step)
     if periods > 1:
         others[::periods] = False
-    return 0.5 * float(np.sum(np.abs(lines[others]) ** 2)) < (_APART * step) ** 2
+    return 0.5 * float(np.sum(np.abs(lines[others]) ** 2)) < OF_STEPS * step**2 / 12.0
 
 
-def are_alike_but_for(left: Floats, step: float) -> bool:
-    """Return whether periods are read in the same parts of the steps, by what their mean has `left` of
-    samples, shape (n,)."""
-    return are_alike(_lines_of(left), step)
+def are_read_alike(samples: Floats, turns: Floats, step: float) -> bool:
+    """Return whether periods in samples, shape (n,), are read in the same parts of the steps: whether
+    neighbours in the order of their places, which are of other periods, differ by no lines. `turns`, shape
+    (n,), is where samples are, in periods.
+
+    Places that lie evenly may have neighbours from every other period alone, and more of them tell where a
+    waveform of few steps bends by less than one between them.
+    """
+    place = np.mod(turns, 1.0)
+    order = np.argsort(place, kind="stable")
+    around = _NEIGHBOURS if float(np.ptp(samples)) < _FEW * step else 1
+    off = np.empty(len(samples))
+    off[order] = _off_neighbours(samples[order], place[order], around)
+    return are_alike(_lines_of(off), step)
+
+
+def _off_neighbours(values: Floats, place: Floats, around: int) -> Floats:
+    """Return how far values, shape (n,), are off a straight line through them and so many neighbours on
+    either side, in the order of their places, from 0 to 1."""
+    y = np.pad(values, around, mode="wrap")
+    x = np.concatenate([place[-around:] - 1.0, place, place[:around] + 1.0])
+    xs, ys = (sliding_window_view(each, 2 * around + 1) for each in (x, y))
+    middle, mean = np.mean(xs, axis=1), np.mean(ys, axis=1)
+    aside = xs - middle[:, np.newaxis]
+    square = np.sum(aside**2, axis=1)
+    slope = np.divide(np.sum(aside * ys, axis=1), square, out=np.zeros(len(place)), where=square > _ONE_PLACE)
+    return np.asarray(values - mean - slope * (place - middle))
 
 
 def _lines_of(samples: Floats) -> Complex:
@@ -99,16 +132,20 @@ def _lines_of(samples: Floats) -> Complex:
 
 
 def _stand_out(lines: Complex, step: float) -> NDArray[np.bool_]:
-    """Return which lines but the mean stand out of noise of a step, and are not small against it, or are
-    beside such a line as far as it leaks, by 1 / (pi bins)."""
-    size = np.abs(lines) / step
-    size[0] = 0.0
-    found = size > max(_APART, _STANDS_OUT * 2.0 / math.sqrt(2 * len(lines)))
-    inner = np.append(size, 0.0)
-    for peak in np.flatnonzero(found & (size >= np.roll(inner, 1)[:-1]) & (size >= inner[1:])):
+    """Return which lines but the mean stand out of noise of a step, and are not small against it."""
+    found = np.abs(lines) > step * max(_LEAST_LINE, _STANDS_OUT * 2.0 / math.sqrt(2 * len(lines)))
+    found[0] = False
+    return np.asarray(found)
+
+
+def _with_leaks(stand_out: NDArray[np.bool_], lines: Complex, step: float) -> NDArray[np.bool_]:
+    """Return lines that stand out, and those beside them as far as they leak, by 1 / (pi bins)."""
+    found, size = stand_out.copy(), np.where(stand_out, np.abs(lines) / step, 0.0)
+    is_peak = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])
+    for peak in np.flatnonzero(is_peak) + 1:
         leaks = math.ceil(size[peak] / (math.pi * _LEAST_LEAK))
         found[max(1, peak - leaks) : peak + leaks + 1] = True
-    return np.asarray(found)
+    return found
 
 
 def _along(lines: Complex) -> Floats:

@@ -8,12 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.quantisation.repeated_steps import (
-    RepeatedSteps,
-    left_by_periods,
-    steps_of_periods,
-)
-from benchtool.analysis.quantisation.steps_along import are_alike_but_for, steps_along
+from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
+from benchtool.analysis.quantisation.steps_along import are_read_alike, steps_along
 from benchtool.analysis.statistics.between_samples import Between, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import MeanError, error_of_root
@@ -101,6 +97,6 @@ def _errors_of_steps(samples: Floats, repeats: Periods, step: float) -> Repeated
     or along what repeats in none."""
     rows, turns = repeats.rows, repeats.turns
     every = repeats.per_revolution if len(repeats) >= FEWEST_PERIODS * repeats.per_revolution else 1
-    if are_alike_but_for(left_by_periods(samples, rows[::every], turns / every), step):
+    if are_read_alike(samples, turns / every, step):
         return steps_of_periods(samples, rows, repeats.per_revolution, step, turns)
     return steps_along(samples, step)

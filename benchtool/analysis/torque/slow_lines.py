@@ -28,6 +28,7 @@ _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
 _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
 _FINER, _TURNS = 2, 4  # rounds of the fits
 _BLOCKS_OF_CYCLE = 16  # that have a pace of their own
+_TOLD = 1e-3  # of singular values: lines that differ by less have one part of it
 _CHUNK = 1 << 13
 
 
@@ -65,6 +66,7 @@ class SlowLines:
 
         With a pace of 1 + eta the integral of cos(x) dt is that of cos(x) dx, which whole cycles leave
         nothing of, less that of eta cos(x) dt. Of eta, a drift counts at the ends only, and is left out.
+        Lines that are not apart may be large, and cancel each other: their parts of eta are alike.
         """
         blocks = min(len(place) - 1, max(_FEWEST_BLOCKS, math.ceil(_BLOCKS_OF_CYCLE * np.max(self.cycles))))
         edges = np.linspace(0, len(place) - 1, blocks + 1).astype(np.int64)
@@ -72,7 +74,7 @@ class SlowLines:
         middle = 0.5 * (place[edges[1:]] + place[edges[:-1]])
         turned = 2.0 * np.pi * np.outer(middle, self.cycles)
         basis = np.column_stack([np.ones(blocks), middle - 0.5, np.cos(turned), np.sin(turned)])
-        eta = np.linalg.lstsq(basis, pace / np.mean(pace) - 1.0, rcond=None)[0][2:]
+        eta = np.linalg.lstsq(basis, pace / np.mean(pace) - 1.0, rcond=_TOLD)[0][2:]
         return -0.5 * float(eta @ np.concatenate([self.cosine, self.sine]))
 
     def at(self, place: Floats) -> Floats:

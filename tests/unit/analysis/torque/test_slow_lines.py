@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import Measurement, torque_ripple, track_angle
+from benchtool.analysis import Measurement, ripple_numbers, torque_ripple, track_angle
 from benchtool.analysis.torque.slow_lines import slow_lines
 from benchtool.block import Block
 from tests.at_length import at_length
@@ -196,3 +196,31 @@ def test_a_wander_that_leaves_the_mean_unknown_leaves_the_rms_unknown() -> None:
             assert found["torque_ripple_rms"].uncertainty is None
             assert "wanders" in found["torque_ripple_rms"].uncertainty_reason
     assert unknown >= 2
+
+
+def test_a_speed_that_swings_along_its_own_angle_has_the_mean_over_time() -> None:
+    """Over angle it would be larger by the square of the swing, as more of a fast turn is in a second."""
+    time_s, swing, mean, random = np.arange(30_000) / RATE_HZ, 0.02, 40.0, np.random.default_rng(8)
+    for cycles in (5.6, 6.3, 8.5, 11.0):
+        turned = 2 * np.pi * cycles * time_s / time_s[-1] + random.uniform(0, 6.0)
+        speed = mean * (1.0 + swing * np.sin(turned)) + 0.05 * random.standard_normal(len(turned))
+        theta_m = mean * (time_s - swing * time_s[-1] / (2 * np.pi * cycles) * np.cos(turned))
+        block = Block.from_arrays(RATE_HZ, {"omega_m": "rad/s"}, omega_m=speed)
+        track = track_angle(theta_m - theta_m[0], POLE_PAIRS)
+        found = ripple_numbers(block, "omega_m", "speed", track=track, pole_pairs=POLE_PAIRS)[0]
+        assert found.uncertainty is not None
+        assert abs(found.value - mean) < 3.0 * found.uncertainty.standard < 0.25 * swing**2 * mean
+
+
+@pytest.mark.parametrize("steps", [1.0, 3.5])
+def test_the_mean_of_a_slow_line_in_few_steps_is_known_as_well_as_these_let_it(steps: float) -> None:
+    step, random, errors = 0.05, np.random.default_rng(3), []
+    for _ in range(12):
+        turned = 2 * np.pi * np.arange(80 * PER_PERIOD) / PER_PERIOD
+        slow = steps * step * random.uniform(0.7, 1.3) * np.cos(0.071 * turned + random.uniform(0, 6.0))
+        mean = random.uniform(1.0, 1.0 + step)
+        torque = mean + slow + random.uniform(0.2, 0.6) * step * np.cos(6 * turned)
+        found = measured(np.asarray(step * np.round(torque / step)))["torque_mean"]
+        assert found.uncertainty is not None
+        errors.append((found.value - mean) / found.uncertainty.standard)
+    assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.6
