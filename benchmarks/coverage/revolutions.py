@@ -169,6 +169,7 @@ TORQUE: Mapping[str, Shaft] = {
     "revolution_many_poles": replace(_SHAFT, revolutions=5.4, pole_pairs=8, speed_Hz=2.9),
     "revolution_belt": replace(_SHAFT, orders=((0.41, 0.05), (1.0, 0.02)), revolutions=16.8),
     "load_cycle_torque": replace(_SHAFT, lines=((2.7, 0.05), (8.1, 0.012)), revolutions=21.4),
+    "load_cycles_that_beat": replace(_SHAFT, lines=((2.7, 0.05), (2.77, 0.03)), revolutions=16.8),
     "torque_drift_revolution": replace(_SHAFT, drift_Nm=0.1, revolutions=14.2),
     "held_angle": replace(_SHAFT, held=9),
     "held_angle_uneven": replace(_SHAFT, held=11, uneven=4, noise_Nm=8e-3),

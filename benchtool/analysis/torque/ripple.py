@@ -253,7 +253,7 @@ class _Seen:
         uncertain, why = None, self.unknown or _TOO_FEW_EXTREMES
         if self.scatter is not None and error is not None:
             in_few_steps = self.scatter.steps is not None and self.scatter.steps.are_few
-            why = _MEET_SLOWLY if in_few_steps else TOO_SLOW
+            why = _MEET_SLOWLY if in_few_steps else self.scatter.untold or TOO_SLOW
             line = error.line(f"scatter over {self.scatter.periods} {self.scatter.repeated}")
             lines = tuple(each for each in (line, *further) if each.standard != 0.0)
             uncertain = combined_by_names(lines or (line,))
@@ -280,7 +280,7 @@ class _Seen:
         elif not math.isfinite(scatter.peak_to_peak):
             # a resolution beside a scatter that is not known would be stated as if it were all
             why = _TOO_FEW_EXTREMES if scatter.periods < FEWEST_EXTREMES else _GROWS
-            why = TOO_SLOW if scatter.is_untold else why
+            why = scatter.untold or why
         else:
             # of a difference of two readings, each known to within a step (JCGM 100:2008, F.2.2.1)
             budget = [self.resolution(step / math.sqrt(6.0))] if step else []

@@ -12,7 +12,7 @@ from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_
 from benchtool.analysis.quantisation.steps_along import are_read_alike, steps_along
 from benchtool.analysis.statistics.between_samples import Between, between_samples
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
-from benchtool.analysis.statistics.scatter import MeanError, error_of_root
+from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError, error_of_root
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.ripple_percentiles import percentile_scatter
@@ -20,6 +20,12 @@ from benchtool.analysis.torque.ripple_sizes import is_size_untold
 from benchtool.analysis.torque.slow_ripple import SlowRipple
 
 Floats = NDArray[np.float64]
+
+_MOST_UNTOLD, _OF_SIZE = 2.0, 0.02  # standard uncertainties of the rms; of the rms itself
+_LINES_BEAT = (
+    "sinusoids slower than a period are less than a cycle of the record apart, so that it shows part of "
+    "their beat: record longer"
+)
 
 
 @dataclass(frozen=True)
@@ -29,7 +35,8 @@ class Scatter:
     That of the percentile range is None of fewer than four periods, in which it is an extreme as well.
     `whole_mean` and `whole_rms` are the mean and rms without what incomplete periods and cycles make of them,
     `steps` the errors of a converter's steps that repeat, `between` what the ripple does between its samples.
-    Where the size of the ripple `is_untold`, all but that of the mean are nan.
+    Where there is a reason `untold` why the size of the ripple is not known, all but that of the mean are
+    nan.
     """
 
     periods: int
@@ -43,13 +50,13 @@ class Scatter:
     whole_rms: float
     steps: RepeatedSteps | None
     between: Between | None
-    is_untold: bool = False
+    untold: str = ""
 
-    def without_sizes(self) -> Scatter:
-        """Return it where nothing tells how long the size of the ripple remembers."""
+    def without_sizes(self, reason: str) -> Scatter:
+        """Return it where the size of the ripple is not known, for this reason."""
         unknown = MeanError(math.nan, math.nan)
         of_range = None if self.percentile_range is None else unknown
-        return replace(self, rms=unknown, percentile_range=of_range, peak_to_peak=math.nan, is_untold=True)
+        return replace(self, rms=unknown, percentile_range=of_range, peak_to_peak=math.nan, untold=reason)
 
 
 def scatter_of_periods(
@@ -89,7 +96,18 @@ def scatter_of_periods(
         steps=_errors_of_steps(within, repeats, step) if percentiles and step > 0.0 else None,
         between=between_samples(rest, repeats.turns),
     )
-    return scatter.without_sizes() if is_size_untold(of_mean.left, repeats) else scatter
+    lines = of_mean.lines if of_mean.course is None else None  # a course looks like lines that are near
+    if lines is not None and _beat(lines.untold, rms, scatter.rms.standard):
+        return scatter.without_sizes(_LINES_BEAT)
+    return scatter.without_sizes(TOO_SLOW) if is_size_untold(of_mean.left, repeats) else scatter
+
+
+def _beat(untold: float, rms: float, standard: float) -> bool:
+    """Return whether a mean square that slow lines do not tell is too much for an rms with a standard
+    uncertainty, nan where that is not known."""
+    of_rms = untold / (2.0 * rms) if untold > 0.0 else 0.0
+    most = _OF_SIZE * rms
+    return of_rms > (min(most, _MOST_UNTOLD * standard) if math.isfinite(standard) else most)
 
 
 def _errors_of_steps(samples: Floats, repeats: Periods, step: float) -> RepeatedSteps | None:

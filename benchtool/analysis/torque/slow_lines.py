@@ -19,6 +19,7 @@ from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.statistics.scatter import BLOCKS, means_of_blocks
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 _MOST_LINES, _ROUNDS = 8, 2  # beside those of a revolution; harmonics show once the largest are away
 _MOST_BLOCKS = 1 << 15  # of many periods, more of which are not looked at
@@ -26,6 +27,8 @@ _LOWEST, _FEWEST_BLOCKS = 3, 64  # cycles in the record under a Hann window; blo
 _STANDS_OUT = 6.0  # of the noise's rms amplitude
 _BY_CHANCE, _FEWEST_DOF = 1e-4, 3
 _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
+_APART = 1.0  # cycles between lines that are told from each other
+_OF_LINE, _EXPLAINED = 2, 3.5  # bins on either side of a line; what it leaves there, of the noise around them
 _FINER, _TURNS = 2, 4  # rounds of the fits
 _BLOCKS_OF_CYCLE = 16  # that have a pace of their own
 _TOLD = 1e-3  # of singular values: lines that differ by less have one part of it
@@ -35,13 +38,18 @@ _CHUNK = 1 << 13
 @dataclass(frozen=True)
 class SlowLines:
     """Sinusoids of `cycles` over the record, shape (lines,); `cosine` and `sine` are their amplitudes, about
-    the constant `mean`. Noise moves that `of_mean` times as much as it moves a mean without them."""
+    the constant `mean`. Noise moves that `of_mean` times as much as it moves a mean without them.
+
+    `untold` is the mean square over whole cycles that they may have more or less: that of lines that leave
+    something beside them, as two within a part of a cycle do, and of the products of lines not far apart.
+    """
 
     mean: float
     cycles: Floats
     cosine: Floats
     sine: Floats
     of_mean: float = 1.0
+    untold: float = 0.0
 
     @property
     def mean_square(self) -> float:
@@ -51,7 +59,7 @@ class SlowLines:
     @property
     def are_apart(self) -> bool:
         """Whether each is more than a cycle away from the next, and from the mean."""
-        return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > 1.0))
+        return bool(np.all(np.diff(np.sort(self.cycles), prepend=0.0) > _APART))
 
     def mean_at(self, place: Floats) -> float:
         """Return by how much incomplete cycles move the mean of their sum at places, shape (n,), and no more
@@ -106,12 +114,29 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
         cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles), periods)
     if not len(cycles):
         return None
-    found, _ = _fitted(values, at, cycles, periods)
+    found, rest = _fitted(values, at, cycles, periods)
     # a mean of a block makes a line smaller, and so does a straight line between two samples
     kept = (
         np.sinc(cycles / len(values)) if are_blocks else 1.0 - (2 * np.pi * cycles / len(samples)) ** 2 / 12
     )
-    return replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
+    found = replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
+    return replace(found, untold=_untold(found, rest))
+
+
+def _untold(found: SlowLines, rest: Floats) -> float:
+    """Return the mean square of lines that is not told, where they leave this rest, shape (n,)."""
+    size, cycles = np.hypot(found.cosine, found.sine), found.cycles
+    bins = _windowed(rest)
+    left = np.abs(bins)
+    is_left = np.zeros(len(cycles), dtype=np.bool_)
+    for index, place in enumerate(np.round(cycles).astype(np.int64)):
+        first = max(1, int(place) - _OF_LINE)
+        peak = first + int(np.argmax(left[first : place + _OF_LINE + 1]))
+        is_left[index] = left[peak] > _EXPLAINED * surrounded(bins, left, peak).noise
+    one, other = np.triu_indices(len(cycles), 1)
+    near = np.abs(cycles[one] - cycles[other]) < _APART
+    of_products = float(np.sum(size[one[near]] * size[other[near]]))
+    return of_products + 0.5 * float(np.sum(size[is_left] ** 2))
 
 
 def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats, bool]:
@@ -166,14 +191,19 @@ def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: 
 
 def _beside(rest: Floats, periods: int, most: int) -> Floats:
     """Return the cycles of the largest lines of a spectrum that are slower than a period, at most so many."""
-    weights = spectral_window("hann", len(rest))
-    bins = fft.rfft((rest - np.mean(rest)) * weights) * (2.0 / float(np.sum(weights)))
+    bins = _windowed(rest)
     size = np.abs(bins)
     inner = np.arange(_LOWEST, min(periods - 1, len(size) - 1))
     peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
     peaks = peaks[np.argsort(-size[peaks])][: max(0, most)]
     found = [surrounded(bins, size, int(peak)) for peak in peaks]
     return np.array([each.place for each in found if each.amplitude > _STANDS_OUT * each.noise])
+
+
+def _windowed(values: Floats) -> Complexes:
+    """Return the peak amplitudes of values, shape (n,), in bins of a Hann window, shape (n // 2 + 1,)."""
+    weights = spectral_window("hann", len(values))
+    return np.asarray(fft.rfft((values - np.mean(values)) * weights) * (2.0 / float(np.sum(weights))))
 
 
 def _finer(values: Floats, place: Floats, cycles: Floats, known: int, periods: int) -> Floats:

@@ -159,7 +159,7 @@ _NUMBERS: Final = (
         "likewise of the periods' mean squares, over 2 rms, times 1 + half of the skewness of their mean, "
         "twice its share of them at least (mean squares that are low by chance scatter little); "
         "u(mean)^2 / (2 rms), by noise that moves the mean in place of the rms (none where u(mean) is not "
-        "known)",
+        "known, or of slow sinusoids that beat less than once)",
     ),
     (
         ("ripple_percentile_range",),

@@ -224,3 +224,15 @@ def test_the_mean_of_a_slow_line_in_few_steps_is_known_as_well_as_these_let_it(s
         assert found.uncertainty is not None
         errors.append((found.value - mean) / found.uncertainty.standard)
     assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.6
+
+
+@pytest.mark.parametrize("cycles", [0.1, 0.3])
+def test_lines_within_part_of_a_cycle_do_not_tell_the_rms(cycles: float) -> None:
+    """Of their beat the record shows that part: the mean square may be any between those at its nodes."""
+    two = [
+        measured(record(120.0, seed, (0.137, 0.04), (0.137 + cycles / 120.0, 0.03)))["torque_ripple_rms"]
+        for seed in range(6)
+    ]
+    assert all(each.uncertainty is None and "apart" in each.uncertainty_reason for each in two)
+    one = measured(record(120.0, 1, (0.137, 0.04)))["torque_ripple_rms"]
+    assert one.uncertainty is not None
