@@ -32,6 +32,8 @@ STEADY: Mapping[str, Disturbance] = {
     "ramp_and_swing_of_amplitude": replace(_QUIET, amplitude_ramp=-0.054, amplitude_swing=(0.0024, 2.1),
         noise=2e-3, periods=52.6),
     "amplitude_step_few_periods": replace(_QUIET, second_regime=1.016, noise=3e-3, periods=13.7),
+    "amplitude_step_of_5": replace(_QUIET, second_regime=1.05, noise=1e-4, periods=43.7),
+    "amplitude_step_long": replace(_QUIET, second_regime=0.95, noise=2e-4, periods=121.4, angle=False),
     "amplitude_step_small": replace(_QUIET, second_regime=1.006, noise=3e-3, periods=42.2),
     "bits_9_pink": replace(_QUIET, bits=9, noise=2e-3, kind="pink", periods=47.8),
     "bits_10_heavy": replace(_QUIET, bits=10, noise=3e-3, kind="heavy", frequency_Hz=31.9, periods=38.5),

@@ -219,7 +219,7 @@ SECTIONS: Final = (
         "The uncertainty of harmonics, THD, groups and noise floor by what is around the lines "
         "(`benchtool.analysis.spectra`).",
         """
-        0044 0147 0159 0188 0158 0278 0273 0318 0272
+        0044 0147 0159 0188 0158 0446 0278 0273 0318 0272
         0411 0412 0414 0276 0404 0396 0319 0202 0233 0244
         0394
         """,

@@ -25,6 +25,9 @@ _RATE_STEP, _FINER_RATES = 1.25, 15
 _RATES = _RATE_STEP ** np.arange(16.0)  # time constants in the record: one to thirty
 _POINTS_PER_PERIOD = 8
 _OF_TIME = 1.0 / (6.0 * math.sqrt(3.0))  # of a bend: a sixth at most between means over phases and time
+_OF_EDGE = 0.8 / (4.0 * math.pi * math.sqrt(2.0))
+"""Standard deviation over phases by which the amplitude of a period is off what a step in it has on average,
+relative to the step: of twice the integral of cos^2 the part sin / (4 pi), less what the rounds find."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,8 @@ class AmplitudeTrend:
     `level` is the mean of the `curve` over the time of the record, or the constant that a swing is about, and
     `of_level` its standard uncertainty against the mean over periods; `apart` is by how much that mean is off
     it; `deviation` is that and how far a mean over phases is from one over time. `rest`, shape (periods,), is
-    what the course leaves of the amplitudes, `growth` by how much it grows from the begin of the first period
-    to the end of the last; a step is no growth. A sinusoid has so many `cycles`.
+    what the course, `over_periods`, leaves of the amplitudes, `growth` by how much it grows from the begin of
+    the first period to the end of the last; a step is no growth. A sinusoid has so many `cycles`.
     """
 
     curve: Callable[[Floats], Floats]
@@ -44,6 +47,7 @@ class AmplitudeTrend:
     deviation: float
     apart: float
     rest: Floats
+    over_periods: Floats
     growth: float
     cycles: float
 
@@ -75,8 +79,9 @@ def amplitude_trend(
     numbers = np.arange(count + 1.0)
     edges, bent = (numbers / count, 1.0) if edges is None else (edges, 0.0)
     place = 0.5 * (edges[1:] + edges[:-1])
-    for curve, about, bend, slopes, cycles in _curves(relative, place):
-        rest = relative - curve(place)
+    for curve, about, bend, slopes, cycles in _curves(relative, edges):
+        over_periods = curve.mean(edges[:-1], edges[1:]) if isinstance(curve, _Step) else curve(place)
+        rest = relative - over_periods
         left = float(np.mean(rest**2)) / power
         if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
             continue
@@ -87,6 +92,10 @@ def amplitude_trend(
         )
         course = curve(points)
         level = float(np.mean(curve(whole))) if about is None else about
+        of_edge = 0.0
+        if isinstance(curve, _Step):
+            level = float(curve.mean(-before, 1.0 + after))
+            of_edge = _OF_EDGE * abs(curve.after - curve.before) / count
         apart = float(np.mean(course)) - level
         begin, end = curve(np.array([0.0, 1.0]))
         growth = 0.0 if isinstance(curve, _Step) else float(end - begin)
@@ -98,10 +107,11 @@ def amplitude_trend(
         return AmplitudeTrend(
             curve=curve,
             level=level,
-            of_level=math.sqrt(noise2 * float(by_values @ by_values)),
+            of_level=math.hypot(math.sqrt(noise2 * float(by_values @ by_values)), of_edge),
             deviation=math.hypot(apart, bent * _OF_TIME * bend),
             apart=abs(apart),
             rest=rest,
+            over_periods=over_periods,
             growth=growth,
             cycles=cycles,
         )
@@ -111,14 +121,16 @@ def amplitude_trend(
 _Curve = tuple[Callable[[Floats], Floats], float | None, float, Callable[[Floats], Floats], float]
 
 
-def _curves(relative: Floats, place: Floats) -> Iterator[_Curve]:
-    """Yield curves over the record, from 0 to 1, each with the constant that it is about, if it is about one,
-    its bend, its slopes by its constants, shape (places, constants), and its cycles, if it is a sinusoid."""
+def _curves(relative: Floats, edges: Floats) -> Iterator[_Curve]:
+    """Yield curves over the record, from 0 to 1, of amplitudes of periods between edges, each with the
+    constant that it is about, if it is about one, its bend, its slopes by its constants, shape (places,
+    constants), and its cycles, if it is a sinusoid."""
+    place = 0.5 * (edges[1:] + edges[:-1])
     for degree in (1, 2):
         line = np.polynomial.Polynomial.fit(place, relative, degree)
         bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
         yield line, None, abs(bend), partial(_powers, degree), 0.0
-    step = _step(relative, place)
+    step = _step(relative, edges)
     yield step, None, 0.0, step.slopes, 0.0
     yield _settling(relative, place)
     yield from _swing(relative, place)
@@ -139,17 +151,31 @@ class _Step:
     def __call__(self, places: Floats) -> Floats:
         return np.where(places < self.edge, self.before, self.after)
 
+    def mean(self, begin: Floats | float, end: Floats | float) -> Floats:
+        """Return the mean from one place to another."""
+        share = np.clip((self.edge - begin) / (np.asarray(end) - begin), 0.0, 1.0)
+        return np.asarray(self.after + share * (self.before - self.after))
+
     def slopes(self, places: Floats) -> Floats:
         return np.stack([places < self.edge, places >= self.edge], axis=1).astype(np.float64)
 
 
-def _step(relative: Floats, place: Floats) -> _Step:
+def _step(relative: Floats, edges: Floats) -> _Step:
+    """Return the step that leaves least, within one of the two periods beside the best place between periods,
+    which has what is in between."""
     count = len(relative)
     sums = np.cumsum(relative)[:-1]
     number = np.arange(1, count)
     first, last = sums / number, (np.sum(relative) - sums) / (count - number)
-    at = int(np.argmax(first**2 * number + last**2 * (count - number)))
-    return _Step(float(first[at]), float(last[at]), 0.5 * float(place[at] + place[at + 1]))
+    at = 1 + int(np.argmax(first**2 * number + last**2 * (count - number)))
+    found = []
+    for period in (max(1, at - 1), min(at, count - 2)):
+        before, after = float(np.mean(relative[:period])), float(np.mean(relative[period + 1 :]))
+        share = (float(relative[period]) - after) / (before - after) if before != after else 0.0
+        share = min(1.0, max(0.0, share))
+        edge = share * float(edges[period + 1]) + (1.0 - share) * float(edges[period])
+        found.append(_Step(before, after, edge))
+    return min(found, key=lambda each: float(np.sum((relative - each.mean(edges[:-1], edges[1:])) ** 2)))
 
 
 def _settling(relative: Floats, place: Floats) -> _Curve:

@@ -47,6 +47,7 @@ _BEATS = (
     "the amplitude changes within the window, and no harmonic tells that it is no line beside the "
     "fundamental: record longer, or the angle"
 )
+_NO_FLOOR = "fewer than 8 bins are between harmonics, or few periods in which these change: record longer"
 
 
 @dataclass(frozen=True)
@@ -296,9 +297,7 @@ def _noise(
     )
     for name, of, text in names:
         if floor is None:
-            yield Measurement.undefined(
-                name, of, text, "fewer than 8 bins are between harmonics: record longer", basis
-            )
+            yield Measurement.undefined(name, of, text, _NO_FLOOR, basis)
             continue
         of_bins = name == "current_noise_floor"
         value = floor.amplitude if of_bins else floor.density

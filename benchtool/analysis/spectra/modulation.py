@@ -170,7 +170,7 @@ def with_steady_amplitude(
         factor = 1.0 + apart_in_time(amplitude, edges)
         return SteadyAmplitude(replace(coherent, values=factor * coherent.values))
     passed = np.interp(np.arange(len(coherent.values)) / coherent.per_period, np.arange(len(edges)), edges)
-    middles, found = 0.5 * (edges[1:] + edges[:-1]), SteadyAmplitude(coherent)
+    found = SteadyAmplitude(coherent)
     for _ in range(_ROUNDS):
         course = 1.0 + trend.curve(passed)
         if not float(np.min(course)) > _LEAST:
@@ -180,7 +180,7 @@ def with_steady_amplitude(
         )
         # of a swing the amplitudes of periods are means, and a phasor is moved by a bend within its period
         left = wander(found.samples).amplitude
-        closer = amplitude_trend((1.0 + trend.curve(middles)) * left, before, after, edges)
+        closer = amplitude_trend((1.0 + trend.over_periods) * left, before, after, edges)
         if closer is None:
             break
         trend = closer

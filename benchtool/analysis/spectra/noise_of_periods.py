@@ -18,7 +18,9 @@ _BESIDE = 2  # orders
 _OF_WHITE = 6.0  # 1 + 4 + 1: the power of a second difference, times that of white noise
 _AS_ONE = 35.0 / 18.0  # second differences overlap: the sum of their squared correlations
 _ALIKE = 1e-3  # by chance, of the powers of two differences
-_LEAST = 0.95  # of a power: with more, the floor stays as it is
+_LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
+_FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
+_MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
 def without_changes(
@@ -33,7 +35,8 @@ def without_changes(
     one than of the other, the floor is by the second differences of successive periods if these have less.
     Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
     what bends otherwise shows in the fundamental first. Of an amplitude that `has_stepped` the step was
-    divided out, but for what it leaves in the period that it is in.
+    divided out, but for what it leaves in the period that it is in. There is none where too few differences
+    tell it.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
@@ -46,13 +49,20 @@ def without_changes(
     if _is_more(float(np.mean(own)), float(np.mean(beside)), len(own)):
         square[:, 0] = beside
     of_orders = np.median(square, axis=0)
+    half = len(of_orders) // 2
+    lower, upper = float(np.mean(of_orders[:half])), float(np.mean(of_orders[half:]))
+    if samples.periods < _FEWEST_PERIODS and _is_more(lower, upper, half):
+        return None  # a step, the power of whose part of a period falls with the square of the order
     alike = float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
     of_each = np.mean(square, axis=1)
-    kept = [each for each in of_each if not _is_more(each, float(np.min(of_each)), alike, _ALIKE)]
+    usual = float(np.sort(of_each)[len(of_each) // 8])  # a step is in three, and the least of many is low
+    kept = [each for each in of_each if not _is_more(each, usual, alike, _ALIKE)]
     power = float(np.mean(kept))
-    if not 0.0 < power < _LEAST * floor.amplitude**2:
+    if not 0.0 < power < (1.0 if has_stepped else _LEAST) * floor.amplitude**2:
         return floor
     variance = _AS_ONE / (len(kept) * alike)
+    if variance > _MOST_VARIANCE:
+        return None
     return replace(
         floor,
         amplitude=math.sqrt(power),

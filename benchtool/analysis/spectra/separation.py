@@ -120,7 +120,8 @@ class Separation:
         steady = self.steady
         if self.close.lines is not None:  # which are in the groups of their harmonics
             steady = with_steady_amplitude(self.between, self.alone.amplitude, self.turns, FIRST_ROW)
-        if not (is_like_them or (self.others is None and steady.trend is not None)):
+        has_course = steady.trend is not None and not steady.trend.is_step
+        if not (is_like_them or (self.others is None and has_course)):
             return None
         of_lines = harmonic_groups(steady.samples, HIGHEST_HARMONIC)
         if of_lines is None:

@@ -86,3 +86,36 @@ def test_the_memory_that_a_trend_takes_is_proportional_to_the_periods() -> None:
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most < 5_000 * periods  # bytes
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.9])
+def test_a_step_within_a_period_is_where_that_has_what_is_in_between(share: float) -> None:
+    amplitudes = np.where(np.arange(PERIODS) < 17, 1.0, 1.04)
+    amplitudes[17] = 1.0 + 0.04 * (1.0 - share)
+    amplitudes += 1e-6 * np.random.default_rng(1).standard_normal(PERIODS)
+    found = amplitude_trend(amplitudes)
+    assert found is not None
+    assert found.is_step
+    mean = float(np.mean(amplitudes))
+    assert float(np.max(np.abs(found.rest))) < 1e-5
+    assert found.level == pytest.approx(0.0, abs=1e-6)
+    near = (17.0 + share + np.array([-0.02, 0.02])) / PERIODS
+    assert found.curve(near) == pytest.approx(np.array([1.0, 1.04]) / mean - 1.0, abs=1e-5)
+
+
+def test_the_mean_of_a_step_is_known_as_well_as_the_phase_at_which_it_is_made() -> None:
+    random, relative = np.random.default_rng(5), []
+    count = (PERIODS + 1) * PER_PERIOD
+    theta = 2 * np.pi * np.arange(count) / PER_PERIOD
+    track = PhaseTrack(Polynomial([0.0, 2 * np.pi / PER_PERIOD]), count, "as it was made")
+    for _ in range(24):
+        edge = random.integers(count // 4, 3 * count // 4)
+        course = np.where(np.arange(count) < edge, 1.0, 1.05)
+        signal = course * np.cos(theta + random.uniform(0, 6)) + 1e-5 * random.standard_normal(count)
+        coherent = coherent_samples(signal, 10e3, track)
+        turns = (np.arange(count, dtype=np.float64) - FIRST_ROW) * (coherent.periods / coherent.samples)
+        steady = with_steady_amplitude(coherent, wander(coherent).amplitude, turns, FIRST_ROW)
+        assert steady.trend is not None
+        value = spectrum_of(steady.samples).amplitude[coherent.periods]
+        relative.append((value - float(np.mean(course))) / steady.trend.of_level)
+    assert 0.3 < float(np.sqrt(np.mean(np.square(relative)))) < 1.4

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import CoherentSamples, noise_floor
+from benchtool.analysis.spectra.noise import NoiseFloor
 from benchtool.analysis.spectra.noise_of_periods import without_changes
 from benchtool.analysis.spectra.spectrum import spectrum_of
 
@@ -75,3 +76,30 @@ def test_a_period_of_few_samples_has_no_orders_to_tell_changes_by(per_period: in
 def test_the_floor_of_a_steady_amplitude_stays_as_it_is() -> None:
     pairs = [_relative(20, np.ones(20 * _PER_PERIOD), seed)[:2] for seed in range(40)]
     assert sum(plain == found for plain, found in pairs) >= 38
+
+
+def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | None]:
+    found = []
+    for seed in range(seeds):
+        place = (np.arange(periods * _PER_PERIOD) + 0.5) / (periods * _PER_PERIOD)
+        size = np.where(place < at, 1.0, 1.05)
+        wave = size * np.cos(2 * np.pi * periods * place + 0.4)
+        wave += _NOISE * np.random.default_rng(seed).standard_normal(len(place))
+        samples = CoherentSamples(wave, periods, float(len(place)), 10e3)
+        spectrum = spectrum_of(samples)
+        found.append(without_changes(noise_floor(spectrum), spectrum, samples, has_stepped=False))
+    return found
+
+
+def test_a_step_in_all_differences_of_few_periods_leaves_no_floor() -> None:
+    """Of three second differences of five periods all have a part of a step in the third."""
+    assert sum(each is None for each in _floors_of_steps(5, 12, 0.49)) >= 11
+
+
+def test_the_power_of_many_periods_is_not_that_of_all_but_the_largest() -> None:
+    """Against the least of a hundred differences one in ten or twenty is more than chance allows."""
+    floors = _floors_of_steps(120, 12, 0.531)
+    truth = 2.0 * _NOISE / np.sqrt(120 * _PER_PERIOD)
+    error = [each.amplitude / truth - 1.0 for each in floors if each is not None]
+    assert len(error) == 12
+    assert abs(float(np.mean(error))) < 0.005
