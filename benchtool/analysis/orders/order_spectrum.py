@@ -35,6 +35,7 @@ from benchtool.errors import AnalysisError
 
 HIGHEST_ORDER = 200
 FEWEST_REVOLUTIONS = 2.0
+_FEWEST_OF_A_MEMORY = 8  # revolutions, of which fewer do not tell how long an amplitude remembers
 
 LARGEST_WOBBLE_RAD = 1.5e-3
 """Rms deviation of the angle from a smooth track at which order 200 loses 5 %: it turns by 0.3 rad."""
@@ -54,7 +55,8 @@ class OrderSpectrum:
     freedom, by the standard deviation of Student's distribution, and `others`, which is not. `mean` is order
     0. `stands_out_above`, of shape (orders,), is the least amplitude that noise and the other errors do not
     explain. In `others` is what a wobble of the angle may have taken off each, `lost`, and put `beside` the
-    others, shape (orders,). All are in `unit`. `method` says in words how they were made.
+    others, shape (orders,). All are in `unit`. `method` says in words how they were made. The amplitudes of
+    the orders `untold` wander, for a while that few revolutions do not tell: they have no uncertainty.
     """
 
     signal: str
@@ -73,13 +75,14 @@ class OrderSpectrum:
     lost: NDArray[np.float64]
     beside: NDArray[np.float64]
     step: float = 0.0
+    untold: frozenset[int] = frozenset()
 
     def uncertainty(self, order: int, factor: float = 1.0) -> Uncertainty:
         """Return that of the amplitude of one order, times a factor."""
         standard, others = float(self.standard[order - 1]), float(self.others[order - 1])
         dof, source = float(self.dof[order - 1]), self.uncertainty_source
-        if not math.isfinite(standard):
-            return Uncertainty(standard, source, dof)
+        if order in self.untold or not math.isfinite(standard):
+            return Uncertainty(math.nan, source, dof)
         by_noise = factor * math.sqrt(max(0.0, standard**2 - others**2))
         noise = Contribution("noise", "A", by_noise, dof, of_student=True)
         rest = Contribution("resolution, resampling, wobble and wander of the phase", "B", factor * others)
@@ -258,6 +261,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         lost=lost,
         beside=beside,
         step=step,
+        untold=frozenset(orders[noise.wanders].tolist() if turns < _FEWEST_OF_A_MEMORY else ()),
         basis=Basis(
             samples=spectrum.samples,
             sample_rate_Hz=block.sample_rate_Hz,

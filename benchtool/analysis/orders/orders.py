@@ -48,6 +48,7 @@ _FEWEST_TO_REPEAT, _TURNED_BACK = 4, 0.1  # revolutions
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 _NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
 _NOT_TOLD = "too few revolutions to tell noise from the orders: record two at least"
+_WANDERS = "the amplitude wanders, and so few revolutions do not tell for how long: record 8 at least"
 _SMALLEST_MEAN = 1e-3  # of the largest order: below it "percent of mean" has no meaning
 
 
@@ -262,7 +263,11 @@ def _largest(
     yield Measurement(number, float(order), "", text, basis, uncertainty_reason=why, sensitivities=unmoved)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     own = Sensitivities.of_line(spectrum.signal, value).chosen
-    yield Measurement(amplitude, value, spectrum.unit, of_it, basis, uncertain, sensitivities=own)
+    told = None if order in spectrum.untold else uncertain
+    why = _WANDERS if told is None else ""
+    yield Measurement(
+        amplitude, value, spectrum.unit, of_it, basis, told, uncertainty_reason=why, sensitivities=own
+    )
 
 
 def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
@@ -298,9 +303,8 @@ def _amplitude(
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     own, basis = Sensitivities.of_line(spectrum.signal, value), _at(spectrum, order)
     if not math.isfinite(uncertain.standard):
-        return Measurement(
-            name, value, spectrum.unit, text, basis, uncertainty_reason=_NOT_TOLD, sensitivities=own
-        )
+        why = _WANDERS if order in spectrum.untold else _NOT_TOLD
+        return Measurement(name, value, spectrum.unit, text, basis, uncertainty_reason=why, sensitivities=own)
     return Measurement(name, value, spectrum.unit, text, basis, uncertain, sensitivities=own)
 
 

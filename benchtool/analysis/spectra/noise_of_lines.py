@@ -19,6 +19,7 @@ _NEAREST = 3
 _OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
 _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
+_MATTERS = 1e-3  # of an amplitude that moves
 
 
 @dataclass(frozen=True)
@@ -27,13 +28,15 @@ class LineNoise:
 
     `in_phase` is the standard uncertainty of a line's amplitude, `quadrature` that of amplitude times phase,
     each of `dof` degrees of freedom; nan where too few bins are near. `lost` is what a line's own wander of
-    phase has moved into the bins beside it, 0 where that may be noise.
+    phase has moved into the bins beside it, 0 where that may be noise. `wanders` tells where the amplitude
+    moves by a thousandth and by more than noise moves it.
     """
 
     in_phase: NDArray[np.float64]
     quadrature: NDArray[np.float64]
     dof: NDArray[np.float64]
     lost: NDArray[np.float64]
+    wanders: NDArray[np.bool_]
 
     @property
     def experimental(self) -> NDArray[np.float64]:
@@ -67,11 +70,15 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     below = np.conj(bins[np.where(inside, lower, 0)] * towards)
     pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
     together, apart = above + below, above - below
+    of_amplitude, of_phase = (
+        np.sum(np.where(inside, np.abs(each) ** 2, 0.0), axis=1) for each in (together, apart)
+    )
     return LineNoise(
         noise_of_pairs(together, inside),
         noise_of_pairs(apart, inside),
         2.0 * np.maximum(pairs, 1.0),
-        _lost(together, apart, inside, spectrum.amplitude[lines]),
+        _lost(of_amplitude, of_phase, spectrum.amplitude[lines]),
+        of_amplitude > np.maximum(_CLEARLY * of_phase, (_MATTERS * spectrum.amplitude[lines]) ** 2),
     )
 
 
@@ -97,15 +104,10 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
 
 
 def _lost(
-    in_phase: NDArray[np.complex128],
-    quadrature: NDArray[np.complex128],
-    inside: NDArray[np.bool_],
-    amplitude: NDArray[np.float64],
+    of_amplitude: NDArray[np.float64], of_phase: NDArray[np.float64], amplitude: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return half of the phase's variance times the amplitude: sidebands in quadrature, less those of
-    noise."""
-    of_phase = np.sum(np.where(inside, np.abs(quadrature) ** 2, 0.0), axis=1)
-    of_amplitude = np.sum(np.where(inside, np.abs(in_phase) ** 2, 0.0), axis=1)
+    """Return half of the phase's variance times the amplitude: sidebands in quadrature, less those of noise,
+    by the power of those that move the amplitude and of those that move the phase."""
     excess = np.where(of_phase > _CLEARLY * of_amplitude, of_phase - of_amplitude, 0.0)
     variance = np.divide(excess, 2.0 * amplitude**2, out=np.zeros_like(excess), where=amplitude > 0.0)
     return np.asarray(amplitude * np.minimum(1.0, 0.5 * variance))

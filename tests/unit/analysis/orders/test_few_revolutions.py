@@ -11,7 +11,7 @@ from benchmarks.coverage.noise import coloured
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.angle_orders import fit_orders
 from benchtool.analysis.orders.order_spectrum import orders_at_speed
-from benchtool.analysis.orders.orders import describe_orders
+from benchtool.analysis.orders.orders import describe_orders, order_analysis
 from benchtool.block import Block
 from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import torque_at
@@ -90,3 +90,28 @@ def test_orders_of_two_revolutions_end_where_rows_tell_them_from_their_images() 
         assert len(fit.coefficient) == 112
         relative.append(2.0 * np.abs(fit.coefficient[-12:]) / fit.standard[-12:])
     assert 0.8 < np.sqrt(0.5 * np.mean(np.square(relative))) < 1.5  # 5 at orders 120 to 133
+
+
+@pytest.mark.parametrize("revolutions", [2.1, 3.4, 6.2])
+def test_a_size_that_remembers_has_no_uncertainty_in_few_revolutions(revolutions: float) -> None:
+    """What the ripple is in eight periods of a memory of ten is neither its scatter nor its mean."""
+    count, told = round(1500 * revolutions), {True: 0, False: 0}
+    angle = TURN * np.arange(count) / 1500.0
+    for seed in range(10):
+        random = np.random.default_rng(seed)
+        noise = 2e-3 * random.standard_normal(count)
+        size = 0.1 * coloured(random.standard_normal(round(4 * revolutions) + 1), 0.9)
+        wanders = 1.0 + size[(np.arange(count) * 4 // 1500)]
+        for does, course in ((True, wanders), (False, np.ones(count))):
+            torque = 1.5 + 0.1 * course * np.cos(24 * angle) + noise
+            units = {"torque": "Nm", "theta_m": "rad"}
+            block = Block.from_arrays(1e4, units, torque=torque, theta_m=np.mod(angle, TURN))
+            (found,) = (
+                each
+                for each in order_analysis(block, "torque", orders=[24]).measurements
+                if each.name == "torque_order_24"
+            )
+            told[does] += found.uncertainty is not None
+            assert found.uncertainty is not None or "wanders" in found.uncertainty_reason
+    assert told[True] <= 1
+    assert told[False] == 10
