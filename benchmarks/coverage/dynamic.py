@@ -47,9 +47,8 @@ class Lag:
         x = self.omega * np.maximum(time_s, 0.0)
         if self.damping is None:
             return np.asarray(1.0 - np.exp(-x))
-        z = complex(self.damping) + 1j * np.sqrt(complex(1.0 - self.damping**2))
-        both = np.exp(-np.conj(z) * x) * z - np.exp(-z * x) * np.conj(z)
-        return np.asarray(1.0 - np.real(both / (z - np.conj(z))))
+        decay, impulse = self._modes(x)
+        return np.asarray(1.0 - decay - self.damping * impulse)
 
     def ramp(self, time_s: Floats, rise_s: float) -> Floats:
         """Return the answer to a unit ramp over `rise_s`."""
@@ -60,10 +59,16 @@ class Lag:
         x = self.omega * np.maximum(time_s, 0.0)
         if self.damping is None:
             return np.asarray((x - 1.0 + np.exp(-x)) / self.omega)
-        z = complex(self.damping) + 1j * np.sqrt(complex(1.0 - self.damping**2))
-        w = np.conj(z)
-        both = (1.0 - np.exp(-w * x)) * z / w - (1.0 - np.exp(-z * x)) * w / z
-        return np.asarray((x - np.real(both / (z - w))) / self.omega)
+        z, (decay, impulse) = self.damping, self._modes(x)
+        return np.asarray((x - 2.0 * z * (1.0 - decay) + (2.0 * z**2 - 1.0) * impulse) / self.omega)
+
+    def _modes(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return exp(-z x) cosh(w x) and exp(-z x) sinh(w x) / w of the damping z, with w^2 = z^2 - 1."""
+        assert self.damping is not None
+        w = np.sqrt(complex(self.damping**2 - 1.0))
+        slow, fast = np.exp((w - self.damping) * x), np.exp(-(w + self.damping) * x)
+        impulse = x * slow if w == 0.0 else (slow - fast) / (2.0 * w)
+        return np.real(slow + fast) / 2.0, np.real(impulse)
 
     def response(self, frequency_Hz: Floats) -> NDArray[np.complex128]:
         """Return the frequency response."""

@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from scipy import integrate, signal
 
+from benchmarks.coverage.dynamic import Lag
 from benchmarks.coverage.families import Family, scores
 from benchmarks.coverage.registry import FAMILIES
 from benchtool.analysis import Measurement, Uncertainty
@@ -139,3 +141,17 @@ def test_an_exact_number_with_an_uncertainty_is_wide() -> None:
     wide = Measurement("frequency", 20.0, "Hz", "as drawn", uncertainty=Uncertainty(1e-3, "scatter"))
     (found,) = scores(Family("wide", lambda _: [(wide, 20.0 + 1e-4)]), 40)
     assert found.verdict == "wide"
+
+
+@pytest.mark.parametrize("damping", [None, 0.2, 0.999_999, 1.0, 1.000_001, 1.7, 250.0])
+def test_answer_of_a_lag_is_that_of_its_transfer_function(damping: float | None) -> None:
+    lag = Lag(30.0, damping)
+    omega, time_s = lag.omega, np.linspace(0.0, 0.2, 2_001)
+    below = [1.0, omega] if damping is None else [1.0, 2.0 * damping * omega, omega**2]
+    _, expected = signal.step(([below[-1]], below), T=time_s)
+    np.testing.assert_allclose(lag.step(time_s), expected, atol=1e-11)
+    # the answer to a ramp is the mean of the answers to steps along it, here by Simpson's rule
+    rise_s = 0.01
+    steps = [lag.step(time_s - late_s) for late_s in np.linspace(0.0, rise_s, 401)]
+    np.testing.assert_allclose(lag.ramp(time_s, rise_s), integrate.simpson(steps, axis=0) / 400, atol=1e-6)
+    assert np.all(np.isfinite(lag.step(1e3 * time_s)))
