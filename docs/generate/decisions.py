@@ -290,7 +290,7 @@ SECTIONS: Final = (
         "The numbers that are read off a response (`benchtool.analysis.responses`).",
         """
         0160 0187 0228 0243 0335
-        0208 0229 0271 0444
+        0208 0229 0271 0444 0460
         0209 0270 0294 0315 0346 0355
         """,
     ),

@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 _FITS = 2.0  # standard deviations of the mean squared residual above 1: a fit that describes its points
 _PARABOLA, _CUBIC = 3, 4  # terms
 _FAR = 0.25  # of the frequency: errors hide how a curve bends over more than that
+_ALONG = 9  # places
 _MOST = 9.0  # mean squared residual of five values, reached by chance once in e^9
 
 
@@ -22,7 +23,7 @@ class LocalParabola:
     leaves; whether it describes its points, and the mean square, in their errors, of what it leaves.
 
     `cubic` are the coefficients of one through the same points, all within `reach`, or of the parabola where
-    there are too few.
+    there are too few, and `last` is the last of them.
     """
 
     coefficients: Floats
@@ -31,6 +32,7 @@ class LocalParabola:
     mean_square: float
     cubic: Floats
     reach: float
+    last: float
 
     @classmethod
     def through(cls, places: Floats, values: Floats, weights: Floats, scatter: float = 1.0) -> LocalParabola:
@@ -59,6 +61,7 @@ class LocalParabola:
             mean_square,
             fitted(_CUBIC) if len(places) > _CUBIC else coefficients,
             reach,
+            float(np.max(places)),
         )
 
     @property
@@ -95,6 +98,12 @@ class LocalParabola:
     def left_out(self, place: float) -> float:
         """By how much a cubic differs there."""
         return float(np.polynomial.polynomial.polyval(place, self.cubic)) - self.value_at(place)
+
+    def most_below(self, level: float, place: float) -> float:
+        """Return by how much it is below a level at most, in standard uncertainties, from a place on up to
+        the last of its points."""
+        along = np.linspace(place, max(place, self.last), _ALONG)
+        return max((level - self.value_at(at)) / self.error_at(at) for at in along.tolist())
 
     @property
     def level(self) -> float:

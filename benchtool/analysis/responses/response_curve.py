@@ -27,7 +27,7 @@ Course = Callable[[int, Floats], tuple[Floats, Floats]]
 """Values and their standard uncertainties at frequencies between the one before an index and that."""
 
 _FEWEST = 2  # neighbours to either side of a local fit
-_MISSED = 2  # longer fits in a row that by chance do not describe their points
+_MISSED = 3  # longer fits in a row that by chance do not describe their points
 _LONGER = 1.5
 _LEFT_OF_CHANGE = 0.5  # what a parabola leaves out grows as the cube of its reach: 1 / (1.5^3 - 1) is left
 _MOST_UNCERTAIN = 0.2  # of a frequency: beyond this standard uncertainty it is undefined
@@ -134,7 +134,7 @@ class ResponseCurve:
 
         The standard uncertainty is that of the fit and of the level, over the slope, what a longer window
         changes, and how far apart the errors let the first and the last crossing be; nan where the values are
-        below from the first on, infinite where they are nowhere clearly below.
+        below from the first on, infinite where neither they nor the local fit are clearly below anywhere.
         """
         smooth = self.smooth
         below = smooth <= level
@@ -175,7 +175,8 @@ class ResponseCurve:
             return found
         place, standard = short.zero(level)
         other, _ = long.zero(level)
-        if not math.isfinite(place):
+        # of many values that are hardly below a level some are clearly so by chance: their fit is not
+        if not math.isfinite(place) or max(fit.most_below(level, place) for fit in (short, long)) < _CLEAR:
             return Point(start_Hz, math.inf)
         changed = _LEFT_OF_CHANGE * (other - place) if math.isfinite(other) else 0.0
         slope = abs(short.slope_at(place))

@@ -44,3 +44,16 @@ def test_one_value_that_is_below_by_chance_is_no_crossing() -> None:
     found = ResponseCurve(FREQUENCY_HZ, values, error, 10.0).falls_to(0.0)
     assert found is not None
     assert abs(found.frequency_Hz - 600.0) < 2.0 * found.standard_Hz
+
+
+def test_a_level_that_the_values_hardly_fall_below_is_not_passed() -> None:
+    """Of many values at the end some are clearly below by chance, which make the crossing early."""
+    random, error, frequency_Hz = np.random.default_rng(8), 0.1, FREQUENCY_HZ[FREQUENCY_HZ < 650.0]
+    course, answered = turned(5e-5)[: len(frequency_Hz)], 0  # it is at the level at 560 Hz
+    for _ in range(60):
+        noise = error * (random.standard_normal((2, len(course))) * np.array([[1.0], [1j]])).sum(axis=0)
+        response = np.exp(1j * course) * (1.0 + noise)
+        curve = ResponseCurve.of_phase(frequency_Hz, response, np.full(len(noise), error), QUARTER_TURN)
+        found = curve.falls_to(QUARTER_TURN)
+        answered += found is not None and not found.undefined_because
+    assert answered <= 5
