@@ -35,7 +35,8 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     either side, by more than 4.5 standard deviations of the noise and by more than these four levels differ
     from each other, so that an edge is none. On the way of an answer, where these levels differ by what
     it has come, a click is what is so far beyond the line between both neighbours and those through five
-    samples to either side: an edge, a corner and a peak are within these. The noise is how far half of
+    samples to either side, and by 4.5 times what these leave of their samples: an edge, a corner and a peak
+    are within these, and a line through an edge says little of what follows. The noise is how far half of
     the samples, of all or of those near where that is more, are from the mean of their neighbours: what
     oscillates is none either. A signal that stays for some samples and then jumps, as what is computed of
     converted currents does, is hardly off its neighbours: where it would have too many clicks, those up
@@ -139,17 +140,17 @@ def _beyond_around(samples: Floats, *, of_course: bool = False) -> Floats:
     return np.asarray(np.maximum.reduce(beyond)[around : len(samples) + around])
 
 
-def _beyond(samples: Floats, length: int, of: Callable[[Floats, int], Floats]) -> Floats:
+def _beyond(samples: Floats, length: int, of: Callable[[Floats, int], tuple[Floats, Floats]]) -> Floats:
     """Return how far each sample, shape (n,), is beyond what is around so many of which it is one; 0 where it
-    is within, or by less than what is around differs."""
+    is within, or by less than what is around differs or is unsure."""
     count = len(samples)
     first = np.arange(_LINE, count - length - _LINE + 1)
-    around = of(samples, length)
+    around, unsure = of(samples, length)
     highest, lowest = np.max(around, axis=0), np.min(around, axis=0)
     within = samples[first[:, np.newaxis] + np.arange(length)]
     # of two, the one may be above and the other below
     each = np.maximum(within - highest, lowest - within)
-    beyond = np.min(np.where(each > highest - lowest, each, 0.0), axis=1)
+    beyond = np.min(np.where(each > np.maximum(highest - lowest, unsure), each, 0.0), axis=1)
     found = np.zeros(count)
     for offset in range(length):
         at = first + offset
@@ -157,18 +158,19 @@ def _beyond(samples: Floats, length: int, of: Callable[[Floats, int], Floats]) -
     return found
 
 
-def _levels(samples: Floats, length: int) -> Floats:
+def _levels(samples: Floats, length: int) -> tuple[Floats, Floats]:
     """Return the levels around every so many samples, shape (4, m, 1): their neighbours, and the medians to
-    either side."""
+    either side; none of them is unsure."""
     first = np.arange(_LINE, len(samples) - length - _LINE + 1)
     level = np.median(np.lib.stride_tricks.sliding_window_view(samples, _REACH), axis=1)
     around = [samples[first - 1], level[first - _REACH], samples[first + length], level[first + length]]
-    return np.stack(around)[..., np.newaxis]
+    return np.stack(around)[..., np.newaxis], np.zeros((len(first), 1))
 
 
-def _courses(samples: Floats, length: int) -> Floats:
+def _courses(samples: Floats, length: int) -> tuple[Floats, Floats]:
     """Return the courses about every so many samples, shape (3, m, length): the line between their
-    neighbours, and those through the samples to either side."""
+    neighbours, and those through the samples to either side; and how unsure these are, shape (m, 1), by what
+    they leave of their samples."""
     first = np.arange(_LINE, len(samples) - length - _LINE + 1)
     after = first + length
     rows = np.arange(_LINE) - 0.5 * (_LINE - 1)
@@ -178,4 +180,6 @@ def _courses(samples: Floats, length: int) -> Floats:
     between = np.outer(samples[first - 1], length - within) + np.outer(samples[after], within + 1.0)
     before = mean[first - _LINE, np.newaxis] + np.outer(slope[first - _LINE], within + 1.0 - rows[0])
     behind = mean[after, np.newaxis] + np.outer(slope[after], within - length + rows[0])
-    return np.stack([between / (length + 1.0), before, behind])
+    left = np.sum((windows - mean[:, np.newaxis] - slope[:, np.newaxis] * rows) ** 2, axis=1)
+    unsure = _SIGMAS * np.sqrt(np.maximum(left[first - _LINE], left[after]) / (_LINE - 2))
+    return np.stack([between / (length + 1.0), before, behind]), unsure[:, np.newaxis]

@@ -38,7 +38,9 @@ _QUARTERS = 0.25, 0.75
 _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
 _SIGMAS = 3.0  # standard deviations of its noise, likewise
 _LEAVES = 6.0  # standard deviations of its noise, which that does not reach
-_FIRST_PEAKS = 20  # rows from a step on
+_ARRIVED = 0.9  # share of the samples from a step on, of which one in ten is beyond where it arrives
+_WAY_UP, _EDGE = (0.1, 0.5), 2  # of the way an answer comes; rows between them of one that is as an edge
+_FIRST_PEAKS = 20  # rows from there on
 _EARLIER = 1.0 / 3.0  # rows: of many ticks
 
 
@@ -203,12 +205,21 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
 
 
 def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
-    """Return a signal, shape (n,), without its clicks, and their number; where all of them follow the row
-    `begin` of a step at once they are peaks of its answer, as interference strikes anywhere."""
+    """Return a signal that rises from row `begin` on, shape (n,), without its clicks, and their number.
+
+    Of an answer that is up within two rows the first peaks are as short as clicks are, and are none.
+    """
     clear, clicks = without_clicks(y)
-    elsewhere = np.flatnonzero(clear != y) - begin
-    if len(elsewhere) and np.all((elsewhere >= 0) & (elsewhere < _FIRST_PEAKS)):
-        return y, 0
+    if not clicks:
+        return clear, 0
+    rest, answer = float(np.median(clear[: max(1, begin)])), clear[begin:]
+    height = float(np.quantile(answer, _ARRIVED)) - rest
+    leaves, half = (int(np.argmax(answer >= rest + share * height)) for share in _WAY_UP)
+    if half - leaves <= _EDGE:
+        peaks = slice(begin + leaves, begin + half + _FIRST_PEAKS)
+        clicks -= int(np.count_nonzero(clear[peaks] != y[peaks]))
+        clear = clear.copy()
+        clear[peaks] = y[peaks]
     return clear, clicks
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.steps.clicks import without_clicks
+from benchtool.analysis.steps.step_shape import Step, find_step
+from benchtool.block import Block
 
 NOISE = 1e-3
 
@@ -35,3 +37,37 @@ def test_edges_corners_and_peaks_are_no_clicks(length: int) -> None:
     for clear in (up, peak):
         samples = clear + NOISE * random.standard_normal(len(clear))
         assert without_clicks(samples)[1] == 0
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.15, 0.2, 0.25, 0.3, 0.35])
+@pytest.mark.parametrize("corner", [1.0, 1.1, 1.2])
+def test_a_peak_of_few_samples_beside_an_edge_is_no_click(corner: float, damping: float) -> None:
+    random = np.random.default_rng(6)
+    for late in (0.1, 0.3, 0.5, 0.7, 0.9):
+        samples = ringing(corner, damping, late) + NOISE * random.standard_normal(2000)
+        assert without_clicks(samples)[1] == 0
+
+
+def test_clicks_elsewhere_make_no_click_of_the_first_peak_of_an_answer() -> None:
+    """It is as short as a click is; a click in the same row of a slow answer is one."""
+    noise = NOISE * np.random.default_rng(7).standard_normal(2000)
+    for corner, damping, at_once in ((1.3, 0.2, 0), (1.5, 0.25, 0), (0.05, 0.8, 1)):
+        clear = ringing(corner, damping, 0.1) + noise
+        samples = clear.copy()
+        samples[[700, 1100]] -= 0.1
+        samples[203] += 0.1 * at_once
+        found = stepped(samples)
+        assert found.clicks == 2 + at_once
+        assert found.y_clear == pytest.approx(clear[200:], abs=8.0 * NOISE)
+
+
+def ringing(corner: float, damping: float, late: float) -> np.ndarray:
+    """Return the answer of two poles, the corner in radians per row, to a step in row 200 less `late`."""
+    since, own = np.maximum(0.0, np.arange(2000.0) - 200.0 + late), corner * np.sqrt(1.0 - damping**2)
+    turned = np.cos(own * since) + damping * corner / own * np.sin(own * since)
+    return np.asarray(1.0 - np.exp(-damping * corner * since) * turned)
+
+
+def stepped(samples: np.ndarray) -> Step:
+    reference = np.where(np.arange(2000.0) >= 200.0, 1.0, 0.0)
+    return find_step(Block.from_arrays(1e4, {"y": "Nm", "r": "Nm"}, y=samples, r=reference), "y", "r")
