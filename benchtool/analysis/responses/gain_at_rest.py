@@ -105,7 +105,9 @@ def _continued(frequency_Hz: Floats, response: Complex, error: Floats, shared: F
             if zeros + poles + 1 >= 2.0 * pieces[-1] - 1.0:  # with more than a degree of freedom left
                 break
             begin = fits[-1] if fits else None
-            fits.append(rational_fit(powers, response[:count], spread[:count], zeros, poles, begin))
+            within = next((fit for fit in fits if (fit.zeros, fit.poles) == (zeros - 1, poles - 1)), None)
+            of_points = powers, response[:count], spread[:count]
+            fits.append(rational_fit(*of_points, zeros, poles, begin, within))
         if fits:
             answer = _mean(fits, counts, pieces)
             is_determined = answer.standard < _DETERMINED * abs(answer.value)

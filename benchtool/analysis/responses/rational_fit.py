@@ -15,6 +15,8 @@ _LINEAR_ROUNDS = 3  # each with the denominator of the one before as its weight
 _ROUNDS, _TRIES = 6, 3
 _DAMPING, _DAMPED_LESS = 1e-3, 0.1
 _SETTLED = 1e-3  # of a sum of squares in units of the errors
+_PLACES = 12  # of a pole beside a zero, that are tried
+_SHOWN = 3.0  # by which such a pair has to lower the sum of squares: its two unknowns do so by 2 by chance
 _RIDGE = 1e-12  # of columns of unit length: what rounding leaves of their products
 
 
@@ -34,6 +36,14 @@ class RationalFit:
     @property
     def at_rest(self) -> float:
         return float(self.numerator[0])
+
+    @property
+    def zeros(self) -> int:
+        return len(self.numerator) - 1
+
+    @property
+    def poles(self) -> int:
+        return len(self.denominator)
 
     @property
     def unknowns(self) -> int:
@@ -81,13 +91,16 @@ def rational_fit(
     zeros: int,
     poles: int,
     begin: RationalFit | None = None,
+    within: RationalFit | None = None,
 ) -> RationalFit:
     """Return the fit with so many zeros and poles to responses, shape (n,), whose components have the
     standard deviations `spread`; `powers`, shape (n, more than `poles`), are those of s from 0 on.
 
     Linear least squares with the last denominator as the weight (Sanathanan and Koerner, IEEE Trans. Autom.
-    Control 8 (1963) 56), from 1 on and from that of a fit `begin` with fewer of both, and from the better
-    of these on by damped Gauss-Newton steps (Marquardt, J. SIAM 11 (1963) 431).
+    Control 8 (1963) 56), from 1 on and from that of a fit `begin` with fewer of both; or the fit `within`,
+    with one zero and one pole fewer, and a pole beside a zero where that lowers most what it leaves, which
+    linear least squares of many points above these miss; and from the best of these on by damped Gauss-Newton
+    steps (Marquardt, J. SIAM 11 (1963) 431).
     """
     points = _Points(powers, response, 1.0 / spread)
     unknowns = np.zeros(zeros + poles + 1)
@@ -109,7 +122,35 @@ def rational_fit(
                 denominator = found.denominator
                 if found.total < best.total:
                     best = found
-        return _refined(points, best, zeros, poles)
+        if within is not None and (pair := _with_a_pair(points, within)) is not None:
+            best = min(best, points.split(pair, zeros), key=lambda each: each.total)
+    return _refined(points, best, zeros, poles)
+
+
+def _with_a_pair(points: _Points, within: RationalFit) -> Floats | None:
+    """Return the unknowns of a fit times 1 + g + e / (1 + s / a), a pole beside a zero: of several a between
+    the points the one that leaves least, with the least-squares g and e; None where it leaves no less than
+    chance does."""
+    fit = points.split(np.concatenate((within.numerator, within.denominator)), len(within.numerator) - 1)
+    values = (fit.numerator / fit.denominator * points.weight)[:, np.newaxis]
+    f = np.abs(points.powers[:, 1])
+    places = np.geomspace(f[0], f[-1], _PLACES)
+    columns = values / (1.0 + points.powers[:, 1:2] / places)
+    gg = float(np.sum(np.abs(values) ** 2))
+    ge = np.sum((np.conj(values) * columns).real, axis=0)
+    ee = np.sum(np.abs(columns) ** 2, axis=0)
+    left = fit.left[:, np.newaxis]
+    g, e = np.sum((np.conj(values) * left).real), np.sum((np.conj(columns) * left).real, axis=0)
+    determinant = np.maximum(gg * ee - ge**2, _RIDGE * gg * ee)
+    gains, extras = (ee * g - ge * e) / determinant, (gg * e - ge * g) / determinant
+    less = gains * g + extras * e  # by which the sum of squares is less
+    at = int(np.argmax(less))
+    if not less[at] > _SHOWN:
+        return None
+    gain, extra, slow = 1.0 + float(gains[at]), float(extras[at]), 1.0 / float(places[at])
+    numerator = np.convolve(within.numerator, [gain + extra, gain * slow])
+    denominator = np.convolve(np.concatenate(([1.0], within.denominator)), [1.0, slow])
+    return np.concatenate((numerator, denominator[1:]))
 
 
 def _refined(points: _Points, best: _Split, zeros: int, poles: int) -> RationalFit:

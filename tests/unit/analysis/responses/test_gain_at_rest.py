@@ -163,3 +163,17 @@ def test_where_no_ratio_describes_the_points_the_lowest_gain_is_as_far_off_as_th
     found = gain_at_rest(frequency_Hz, response * (1.0 + error * shared), error, np.full(len(s), 8.0))
     assert abs(found.gain / 4.0 - 1.0) < 2.5 * found.relative_error
     assert found.relative_error < 0.15
+
+
+def test_a_slow_pole_beside_a_zero_is_not_missed_by_many_points_above_them() -> None:
+    """Linear least squares of all points find the fast poles twice, and the gain above the slow ones."""
+    frequency_Hz = np.arange(0.4, 90.0, 0.4)
+    s = 1j * frequency_Hz / 20.0
+    opened = (s + 0.07) / s**2 / (1.0 + s / 3.0)
+    error = 0.02 * np.sqrt(1.0 + (frequency_Hz / 40.0) ** 2)
+    random, missed = np.random.default_rng(0), []
+    for _ in range(24):
+        found = gain_at_rest(frequency_Hz, _with_errors(opened / (1.0 + opened), error, random), error)
+        missed.append((found.gain - 1.0) / found.relative_error)
+    assert _rms(missed) < 1.5
+    assert np.max(np.abs(missed)) < 4.0
