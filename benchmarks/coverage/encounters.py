@@ -58,6 +58,7 @@ STEPPED: Mapping[str, Stepped] = {
     "step_spikes": Stepped(_SECOND, 2e-3, spikes=(0.1, 5, 1)),
     "step_spikes_of_two": Stepped(_SECOND, 2e-3, spikes=(0.1, 5, 2)),
     "step_fast_ringing_spikes": Stepped(Lag(1900.0, 0.2), 2e-3, spikes=(0.1, 5, 1)),
+    "step_ringing_in_three_rows": Stepped(Lag(3000.0, 0.2), 2e-3),
     "step_lag1_spikes": Stepped(Lag(40.0), 3e-3, spikes=(0.2, 4, 1)),
     "step_spikes_pink": Stepped(Lag(80.0, 0.5), 3e-3, kind="pink", duration_s=0.4, spikes=(0.1, 8, 1)),
     "step_delay_bits_11": Stepped(Lag(120.0, 0.6), 1e-3, delay_s=1.3e-3, bits=11),

@@ -32,7 +32,7 @@ from benchtool.analysis.steps.passages import (
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
-from benchtool.analysis.steps.tops import Top, kink, parabola, quartic
+from benchtool.analysis.steps.tops import Top, kink, of_three, parabola, quartic
 from benchtool.analysis.steps.tops_on_levels import middle_of_level, rows_of_level
 
 Floats = NDArray[np.float64]
@@ -281,7 +281,7 @@ class NoisyCurve:
         found = kink(self.values, top, float(self.standard[top]))
         # levels of a converter, and rows at other times, bend a curve otherwise than its modes
         if found is None and not self.is_on_levels and self.time_scatter < _EVEN:
-            found = quartic(self.values, top)
+            found = quartic(self.values, top) or of_three(self.values, top, float(self.standard[top]))
         return found or parabola(self.values, top)
 
     def first_above(self, level: float | Floats) -> Instant | None:

@@ -17,6 +17,8 @@ _OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a samp
 _SMOOTH = 0.9  # square of the rate of a mode per row: a period in seven rows, and no kink
 _OF_OTHERS, _SPARSE = 0.25, 1.0  # of a fifth difference: by other modes; more where the rows are few
 _REACHED, _NEWTON = 0.6, 4  # rows from its greatest sample that a top may be; steps of Newton's method
+_OF_PARABOLA, _OF_BEND = 0.4, 0.02  # of what is above, and of the bend: how uncertain a top of three is
+_SWINGS = 0.05  # of how far the curve falls from it: it comes back by more, if it oscillates
 _VANDERMONDE = np.vander(np.arange(-2.0, 3.0), increasing=True)
 
 
@@ -126,3 +128,24 @@ def kink(values: Floats, top: int, noise: float) -> Top | None:
     if np.max(bends[2:5]) < 0.0:
         return None  # a smooth top
     return Top(0.5 * above, above / math.sqrt(12.0), 0.5 * place, 0.5)
+
+
+def of_three(values: Floats, top: int, noise: float) -> Top | None:
+    """Return the top of a peak of so few of the values, shape (n,), that the curve bends the other way beside
+    it: that of the parabola through three. None where the curve does not, and where it does not swing back
+    within the next four beyond `noise`, the standard deviation of a value: after an edge the greatest may be
+    the first.
+    """
+    if not 0 < top < len(values) - 4 or (top > 1 and np.max(np.diff(values[top - 2 : top + 3], 2)) < 0.0):
+        return None
+    before, greatest, after = values[top - 1 : top + 2].tolist()
+    later = values[top + 1 : top + 5]
+    lowest = int(np.argmin(later))
+    falls, rises = greatest - float(later[lowest]), float(np.max(later[lowest:]) - later[lowest])
+    least = max(_SIGNIFICANT * _OF_SECOND_DIFFERENCE * noise, _SWINGS * falls)
+    bend, slope = before + after - 2.0 * greatest, 0.5 * (after - before)
+    if not min(-bend, falls, rises, greatest - before) > least:
+        return None
+    above = -(slope**2) / (2.0 * bend)
+    error = math.hypot(_OF_PARABOLA * above, _OF_BEND * bend)
+    return Top(above, error, min(max(-slope / bend, -0.5), 0.5), 0.5)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tops import kink, parabola, quartic
+from benchtool.analysis.steps.tops import kink, of_three, parabola, quartic
 
 
 @pytest.mark.parametrize("place", [0.1, 0.4, 0.7, 0.95])
@@ -115,3 +115,27 @@ def test_a_top_beside_its_row_is_higher_by_its_bend() -> None:
     found = quartic(values, int(np.argmax(values)))
     assert found is not None
     assert abs(np.max(values) + found.above - truth) < 3.0 * found.above_error
+
+
+@pytest.mark.parametrize("decay", [0.2, 0.4])
+@pytest.mark.parametrize("rate", [1.4, 1.55, 1.7])
+def test_a_top_of_three_rows_is_as_uncertain_as_stated(rate: float, decay: float) -> None:
+    """The answer of two poles that rings with 3.7 to 4.5 rows a period, and steps anywhere within a row."""
+    late, relative = np.linspace(0.02, 0.98, 49), []
+    highest = 1.0 + math.exp(-decay * math.pi / rate)
+    for each in late:
+        since = np.arange(12.0) + each
+        values = 1.0 - np.exp(-decay * since) * (np.cos(rate * since) + decay / rate * np.sin(rate * since))
+        top = int(np.argmax(values))
+        found = kink(values, top, 0.0) or quartic(values, top) or of_three(values, top, 0.0)
+        found = found or parabola(values, top)
+        relative.append((values[top] + found.above - highest) / math.hypot(found.above_error, 2e-3))
+    assert float(np.sqrt(np.mean(np.square(relative)))) < 1.4
+
+
+def test_the_first_row_of_a_plateau_is_no_top_of_three() -> None:
+    for later in ([1.0, 1.0, 1.0, 1.0], [0.99, 0.99, 0.99, 0.99], [0.9, 0.85, 0.82, 0.81]):
+        assert of_three(np.array([0.0, 1.0, *later, *later]), 1, 0.0) is None
+    ringing = np.array([0.0, 1.0, 0.97, 0.96, 0.97, 0.98, 0.97])
+    assert of_three(ringing, 1, 0.01) is None
+    assert of_three(ringing, 1, 0.0) is not None
