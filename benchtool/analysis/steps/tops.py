@@ -17,7 +17,7 @@ _OF_SECOND_DIFFERENCE = math.sqrt(6.0)  # standard deviation over that of a samp
 _SMOOTH = 0.9  # square of the rate of a mode per row: a period in seven rows, and no kink
 _OF_OTHERS, _SPARSE = 0.25, 1.0  # of a fifth difference: by other modes; more where the rows are few
 _REACHED, _NEWTON = 0.6, 4  # rows from its greatest sample that a top may be; steps of Newton's method
-_OF_PARABOLA, _OF_BEND = 0.4, 0.02  # of what is above, and of the bend: how uncertain a top of three is
+_OF_PARABOLA, _OF_BEND = 0.4, 0.02  # of what it adds, and of the bend: how uncertain a top of three is
 _SWINGS = 0.05  # of how far the curve falls from it: it comes back by more, if it oscillates
 _VANDERMONDE = np.vander(np.arange(-2.0, 3.0), increasing=True)
 
