@@ -130,5 +130,5 @@ def interpolated(size: Floats, place: int) -> tuple[float, float]:
     """Return how far a line is from its greatest bin, in bins, half of one at most, and the ratio of the
     second greatest to it."""
     side = 1 if size[place + 1] > size[place - 1] else -1
-    ratio = float(size[place + side] / size[place])
+    ratio = float(size[place + side] / size[place]) if size[place] > 0.0 else 0.0
     return side * max(-0.5, (2.0 * ratio - 1.0) / (1.0 + ratio)), ratio
