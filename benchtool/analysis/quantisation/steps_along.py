@@ -1,4 +1,4 @@
-"""Errors of a converter's steps in a signal that goes on through them without repeating itself in periods.
+"""Errors of a converter's steps in a signal that repeats in no period.
 
 Slow lines, a drift, or a ripple in step with nothing carry a waveform over the steps, and errors average
 out; not all of them, as a sinusoid of A dwells at its ends: of sin(2 pi k x / q) it leaves J_0(2 pi k A / q)
@@ -115,8 +115,9 @@ def are_read_alike(samples: Floats, turns: Floats, step: float) -> bool:
 def _off_neighbours(values: Floats, place: Floats, around: int) -> Floats:
     """Return how far values, shape (n,), are off a straight line through them and so many neighbours on
     either side, in the order of their places, from 0 to 1."""
-    y = np.pad(values, around, mode="wrap")
-    x = np.concatenate([place[-around:] - 1.0, place, place[:around] + 1.0])
+    x, y = (np.pad(each, around, mode="wrap") for each in (place, values))
+    x[:around] -= 1.0
+    x[-around:] += 1.0
     xs, ys = (sliding_window_view(each, 2 * around + 1) for each in (x, y))
     middle, mean = np.mean(xs, axis=1), np.mean(ys, axis=1)
     aside = xs - middle[:, np.newaxis]

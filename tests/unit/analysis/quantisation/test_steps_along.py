@@ -53,6 +53,11 @@ def test_periods_of_one_waveform_are_read_alike(periods: float, swing: float, st
     assert are_read_alike(read(2.0 + waveform), turns, STEP)
 
 
+@pytest.mark.parametrize("count", [3, 4, 7])
+def test_few_samples_are_read_alike(count: int) -> None:
+    assert are_read_alike(np.arange(float(count)), np.arange(float(count)), 1.0)
+
+
 @pytest.mark.parametrize("cycles", [3.3, 1.5 * 37.3])
 def test_periods_on_a_slow_line_or_two_of_which_are_one_are_not(cycles: float) -> None:
     turns = 37.3 * np.arange(COUNT) / COUNT
