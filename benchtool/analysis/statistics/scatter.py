@@ -35,7 +35,6 @@ _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlatio
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
 _ENOUGH_OF_A_MEMORY, _MATTERS = 31, 1e-3  # degrees of freedom; of the mean
 _NOT_NOISE, _NOT_NOISE_OF_FEW, _FEW_TO_COMPARE = 1e-4, 1e-2, 10  # by chance; degrees of freedom
-_NOT_NOISE_OF_FOUR, _LEAST_TO_COMPARE = 0.1, 5  # likewise, of which noise tells next to nothing
 _MAYBE_CORRELATED, _CLEARLY_UNLIKE = 0.0, -2.0  # standard deviations of a correlation
 _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
@@ -110,7 +109,6 @@ def is_memory_untold(
         return False
     noise = float(np.var(like_noise))
     by_chance = _NOT_NOISE if freedom >= _FEW_TO_COMPARE else _NOT_NOISE_OF_FEW
-    by_chance = by_chance if freedom >= _LEAST_TO_COMPARE else _NOT_NOISE_OF_FOUR
     if noise > 0.0 and fisher_above(freedom, freedom, float(np.var(values)) / noise) > by_chance:
         return False
     least = _MAYBE_CORRELATED if len(values) >= fewest else _CLEARLY_UNLIKE

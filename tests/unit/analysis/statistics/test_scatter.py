@@ -113,15 +113,6 @@ def test_few_values_do_not_tell_how_long_they_remember(count: int, memory: float
     assert np.mean(found) > 0.9
 
 
-def test_four_values_that_noise_of_four_would_explain_once_in_ten_are_untold() -> None:
-    """The noise of four is itself not known better: beside one low by chance a wander is not seen."""
-    random, found = np.random.default_rng(6), []
-    for _ in range(80):
-        values, noise = 1.0 + 0.01 * random.standard_normal(4), 1e-3 * random.standard_normal(4)
-        found.append(is_memory_untold(values, noise) or float(np.std(values)) < 2e-3)
-    assert np.mean(found) > 0.95
-
-
 def test_neighbours_that_are_unlike_or_enough_values_have_no_untold_memory() -> None:
     random = np.random.default_rng(4)
     alternating = 1.0 + 0.02 * np.tile([1.0, -1.0], 8)
