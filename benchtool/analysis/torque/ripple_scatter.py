@@ -22,6 +22,7 @@ from benchtool.analysis.torque.slow_ripple import SlowRipple
 Floats = NDArray[np.float64]
 
 _MOST_UNTOLD, _OF_SIZE = 2.0, 0.02  # standard uncertainties of the rms; of the rms itself
+_ROUNDING = 1e-6  # of the rms
 _LINES_BEAT = (
     "sinusoids slower than a period are less than a cycle of the record apart, so that it shows part of "
     "their beat: record longer"
@@ -107,7 +108,9 @@ def _beat(untold: float, rms: float, standard: float) -> bool:
     uncertainty, nan where that is not known."""
     of_rms = untold / (2.0 * rms) if untold > 0.0 else 0.0
     most = _OF_SIZE * rms
-    return of_rms > (min(most, _MOST_UNTOLD * standard) if math.isfinite(standard) else most)
+    if math.isfinite(standard):
+        most = min(most, max(_MOST_UNTOLD * standard, _ROUNDING * rms))
+    return of_rms > most
 
 
 def _errors_of_steps(samples: Floats, repeats: Periods, step: float) -> RepeatedSteps | None:
