@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import j0, j1
 
-from benchtool.analysis.quantisation.steps_along import are_read_alike, steps_along
+from benchtool.analysis.quantisation.steps_along import are_alike, are_read_alike, steps_along, steps_of_lines
 
 Floats = NDArray[np.float64]
 
@@ -64,3 +64,35 @@ def test_periods_on_a_slow_line_or_two_of_which_are_one_are_not(cycles: float) -
     waveform = 3.0 * STEP * np.cos(2.0 * np.pi * turns)
     assert are_read_alike(read(2.0 + waveform), turns, STEP)
     assert not are_read_alike(read(2.0 + waveform + sinusoid(2.0, cycles)), turns, STEP)
+
+
+def test_every_other_period_is_told_where_places_lie_evenly() -> None:
+    """The nearest in place are an even number of periods away, where order 3 / 2 is at the same place."""
+    turns = np.linspace(0.0, 241.3, 12_007, endpoint=False)
+    assert not are_read_alike(read(2.0 + STEP * np.cos(3.0 * np.pi * turns + 0.3)), turns, STEP)
+
+
+def lines_of(signal: Floats) -> NDArray[np.complex128]:
+    lines = np.fft.rfft(signal) * (2.0 / len(signal))
+    lines[0] *= 0.5
+    return np.asarray(lines)
+
+
+def test_lines_between_harmonics_take_periods_to_other_parts_of_the_steps() -> None:
+    repeats = 2.0 + sinusoid(3.0, 20.0) + sinusoid(2.0, 100.0)
+    assert are_alike(lines_of(read(repeats)), STEP, 20)
+    assert not are_alike(lines_of(read(repeats)), STEP)
+    assert not are_alike(lines_of(read(repeats + sinusoid(0.8, 33.3))), STEP, 20)
+
+
+def test_errors_of_lines_are_those_of_readings_with_levels_anywhere() -> None:
+    beside, errors = sinusoid(2.3, 33.3), []
+    for level in STEP * np.arange(0.0, 1.0, 1.0 / 32.0):
+        for steps in (2.9, 3.0, 3.1):
+            line = lines_of(read(2.0 + sinusoid(steps, 20.0) + beside, level))[20]
+            errors.append(abs(line) - steps * STEP)
+    clean = lines_of(read(2.0 + sinusoid(3.0, 20.0) + beside))
+    found = steps_of_lines(clean, STEP, 20)
+    assert found is not None
+    assert found.of_lines(clean[20:400:20])[0][0] == pytest.approx(np.std(errors), rel=0.4)
+    assert found.highest_order == COUNT // 2 // 20
