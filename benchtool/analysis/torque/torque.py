@@ -123,14 +123,15 @@ _NUMBERS: Final = (
     (
         ("mean",),
         "Nm",
-        "mean(x), less what the incomplete last period makes of it, by as much of each whole one, and "
-        "incomplete cycles of sinusoids slower than a period",
+        "mean(x) over time, less what the incomplete last period makes of it, by as much of each whole one, "
+        "and incomplete cycles of sinusoids slower than a period",
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much, of few "
         "periods where it is more (none where it rises more steeply than that of 1/f noise), or of few "
         "pooled with it where it does not rise; less where it probably falls there; by how much what was "
-        "taken out differs from period to period; resolution that repeats",
+        "taken out differs from period to period; resolution, by errors of steps that repeat, or along a "
+        "record whose lines take the periods over the steps",
     ),
     (
         ("ripple_pp",),
