@@ -24,14 +24,12 @@ from numpy.typing import NDArray
 from benchtool.analysis.quantisation.few_steps import FewSteps, few_steps
 from benchtool.analysis.quantisation.resolution import level_of
 
-OF_STEPS = 1.25
-"""Times the power that steps add on average, as of one waveform it is another."""
-
 _DRAWS, _LEVELS = 24, 64
 _APART = 0.1  # of a step, rms: how much the lines of two waveforms of the ensemble differ
 _CELLS = 1 << 11  # of a step, in the table of its error
 _NEGLIGIBLE = 1e-3  # of a step
 _LAST_DIGIT = 1e-6  # of the strongest line: a smaller step is rounding, unless samples are at few places
+_OF_STEPS = 1.25  # times the power that steps add on average: of one waveform it is another
 _FEWEST_POINTS, _MOST_POINTS = 1 << 10, 1 << 16
 _POINTS_PER_STEP = 7.2  # of the rms slope: the first two terms, of most of the power, do not fold back
 _OF_PLACES = 2  # times as many where some of them count more than others
@@ -172,6 +170,11 @@ def _on_average(step: float) -> float:
     """Return the mean square that steps add to that of a signal that spans many of them, or whose noise hides
     them (Widrow and Kollár, ch. 4)."""
     return step**2 / 12.0
+
+
+def most_of_steps(step: float) -> float:
+    """Return the mean square of lines up to which steps may have made them."""
+    return _OF_STEPS * _on_average(step)
 
 
 def repeated_steps(
@@ -345,9 +348,9 @@ def _error_of_a_step(noise: float) -> Floats | None:
     return np.asarray(size @ np.sin(2.0 * np.pi * np.outer(terms, place)))
 
 
-def error_of_steps(signal: Floats, step: float, noise_rms: float, level: float) -> Floats | None:
+def error_of_steps(signal: Floats, step: float, noise_rms: float, level: Floats | float) -> Floats | None:
     """Return the mean error, over noise, of a signal, shape (n,), read in steps one of which is at `level`;
-    None where it is negligible."""
+    or of signals, shape (draws, n), in steps at levels, shape (draws, 1). None where it is negligible."""
     table = _error_of_a_step(noise_rms / step)
     return None if table is None else _looked_up(table, signal - level, step)
 
@@ -411,7 +414,7 @@ def _stay(turns: Floats, places: int) -> bool:
 def _without_the_weakest(phasors: Complex, step: float) -> Complex:
     power = 0.5 * np.abs(phasors) ** 2
     order = np.argsort(power)
-    weak = order[np.cumsum(power[order]) <= OF_STEPS * _on_average(step)]
+    weak = order[np.cumsum(power[order]) <= most_of_steps(step)]
     kept = phasors.copy()
     kept[weak] = 0.0
     return kept

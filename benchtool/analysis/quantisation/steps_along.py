@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from benchtool.analysis.quantisation.repeated_steps import (
-    OF_STEPS,
     RepeatedSteps,
     error_of_steps,
+    most_of_steps,
     noise_beside,
 )
 
@@ -78,12 +78,9 @@ def steps_of_lines(lines: Complex, step: float, periods: int = 1, in_band: float
     noise = noise_beside(left, step)
     signal = signal[:: -(-len(signal) // _MOST_ROWS)]
     larger = 1.0 + _APART * step / size * np.random.default_rng(0).standard_normal(_DRAWS)
-    found = [
-        error_of_steps(mean + each * signal, step, noise, level)
-        for each, level in zip(larger, step * np.arange(_DRAWS) / _DRAWS, strict=True)
-    ]
-    errors = [each for each in found if each is not None]
-    return StepsAlong(mean + signal, np.array(errors), 1, periods) if errors else None
+    levels = step * np.arange(_DRAWS) / _DRAWS
+    errors = error_of_steps(mean + np.outer(larger, signal), step, noise, levels[:, np.newaxis])
+    return None if errors is None else StepsAlong(mean + signal, errors, 1, periods)
 
 
 def are_alike(lines: Complex, step: float, periods: int = 1) -> bool:
@@ -93,7 +90,7 @@ def are_alike(lines: Complex, step: float, periods: int = 1) -> bool:
     others = _stand_out(lines, step)
     if periods > 1:
         others[::periods] = False
-    return 0.5 * float(np.sum(np.abs(lines[others]) ** 2)) < OF_STEPS * step**2 / 12.0
+    return 0.5 * float(np.sum(np.abs(lines[others]) ** 2)) < most_of_steps(step)
 
 
 def are_read_alike(samples: Floats, turns: Floats, step: float) -> bool:
