@@ -12,8 +12,13 @@ from scipy import signal
 Floats = NDArray[np.float64]
 Kind = Literal[
     "white", "pink", "heavy", "bursts", "walk", "resonant", "popcorn", "bounded", "clicks", "fractional",
-    "pink_and_white", "skewed", "mixed_tails",
+    "pink_and_white", "skewed", "mixed_tails", "two_levels",
 ]  # fmt: skip
+
+UNCORRELATED: frozenset[Kind] = frozenset(
+    {"white", "heavy", "bursts", "bounded", "clicks", "skewed", "mixed_tails", "two_levels"}
+)
+"""Of a level density, whatever their distribution, and whenever their level changes."""
 
 OF_RANGE = 0.07  # of a converter, relative
 
@@ -47,6 +52,8 @@ def noise_of(kind: Kind, random: np.random.Generator, count: int) -> Floats:
             return random.standard_exponential(count) - 1.0
         case "mixed_tails":
             return 0.8 * random.standard_normal(count) + 0.6 * random.laplace(0.0, math.sqrt(0.5), count)
+        case "two_levels":
+            return two_levels(random, count)
 
 
 def coloured(noise: Floats, pole: float) -> Floats:
@@ -82,6 +89,14 @@ def bursts(random: np.random.Generator, count: int) -> Floats:
     for begin in random.integers(-size, count, random.poisson(10.0 * (1.0 + size / count))):
         power[max(0, begin) : begin + size] += 4.5
     return np.asarray(np.sqrt(power) * random.standard_normal(count))
+
+
+def two_levels(random: np.random.Generator, count: int) -> Floats:
+    """Return white noise of unit rms that goes from one level to another of three times as much and back, at
+    random, some thirty times."""
+    switched = np.cumsum(random.random(count) < 30.0 / count) + random.integers(2)
+    level = np.where(switched % 2, 3.0, 1.0) / math.sqrt(5.0)
+    return np.asarray(level * random.standard_normal(count))
 
 
 def walk(random: np.random.Generator, count: int) -> Floats:

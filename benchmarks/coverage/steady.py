@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, selected
-from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
+from benchmarks.coverage.noise import UNCORRELATED, Kind, coloured, converted, noise_of
 from benchtool.analysis import (
     CoherentSpectrum,
     Measurement,
@@ -210,7 +210,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Meas
             what.frozen,
             what.spikes,
             what.time_jitter,
-            what.kind != "white",
+            what.kind not in UNCORRELATED,
             what.chirp[0],
         )
     )

@@ -37,6 +37,7 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
+from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window
@@ -301,14 +302,22 @@ def _noise(
             continue
         of_bins = name == "current_noise_floor"
         value = floor.amplitude if of_bins else floor.density
-        source = f"scatter of {floor.bins} bins in bands, and what the lines' motion may leave in them"
+        of_bins_alone = Contribution(
+            f"scatter of {floor.bins} bins in bands, and what the lines' motion may leave in them",
+            "A",
+            value * floor.relative_error,
+            floor.dof,
+        )
+        changes = floor.by_time.line("change of its level with time", value)
+        uncertain = combined_by_names((of_bins_alone, *([changes] if changes.standard != 0.0 else [])))
         yield Measurement(
             name,
             value,
             of,
             text,
             replace(basis, bin_Hz=floor.bin_Hz) if of_bins else basis,
-            Uncertainty(value * floor.relative_error, source, floor.dof),
+            uncertain,
+            uncertainty_reason="" if uncertain is not None else TOO_SLOW,
             sensitivities=Sensitivities((Sensitivity(channel, value),), Noise(fundamental_Hz)),
         )
 
@@ -425,7 +434,7 @@ CURRENT_SPECTRUM: Final = Analysis(
             "it, or of differences 35 / 18 over their number; of the root, the rms of errors of a gamma "
             "distribution of that relative deviation; what a harmonic whose phase wanders leaks; where a "
             "phase was followed or the course of an amplitude divided out, what the lower bands have more "
-            "than the upper half",
+            "than the upper half; by how much more the power of parts of the record scatters",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

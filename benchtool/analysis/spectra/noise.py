@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import median_of_exponentials
+from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL, NoiseOverTime, noise_over_time
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum
+from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
 _LOCAL_BINS = 20  # at least, around each harmonic
@@ -42,7 +44,8 @@ class NoiseFloor:
     stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
     interharmonic that was not taken out leaks through the rectangular window into all bins around it, and
     with that counts as noise.
-    `relative_error` is the relative standard uncertainty of the floor, of `dof` degrees of freedom.
+    `relative_error` is the relative standard uncertainty of the floor by the scatter of its bins, of `dof`
+    degrees of freedom, and `by_time` what it has besides because its level changes, `over_time`.
     """
 
     amplitude: float
@@ -50,6 +53,13 @@ class NoiseFloor:
     bins: int
     relative_error: float
     dof: float
+    over_time: NoiseOverTime = ONE_LEVEL
+
+    @property
+    def by_time(self) -> MeanError:
+        """Relative standard uncertainty of the floor, because the level changes with time."""
+        error = self.over_time.error
+        return MeanError(relative_to_found(error.standard), error.dof)
 
     @property
     def density(self) -> float:
@@ -114,7 +124,23 @@ def noise_floor(
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
     of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
     of_root = math.hypot(relative_to_found(relative), of_leakage, of_rest)
-    return NoiseFloor(amplitude, bin_Hz, len(bins), of_root, dof)
+    over_time = noise_over_time(spectrum.phasor, _quiet(spectrum, bins, bands, powers))
+    return NoiseFloor(amplitude, bin_Hz, len(bins), of_root, dof, over_time)
+
+
+def _quiet(
+    spectrum: CoherentSpectrum, bins: NDArray[np.int64], bands: list[slice], powers: list[float]
+) -> NDArray[np.int64]:
+    """Return the bins from the first to the last of `bins` that are neither harmonics nor lines.
+
+    Those next to harmonics count where they have no more than noise: without them the rest would repeat
+    itself in every period.
+    """
+    inside = np.arange(bins[0], bins[-1] + 1)
+    centres = [float(bins[(each.start + each.stop) // 2]) for each in bands]
+    square = np.square(spectrum.amplitude[inside])
+    is_noise = (inside % spectrum.periods > 0) & (square <= _LINE * np.interp(inside, centres, powers))
+    return np.asarray(inside[is_noise])
 
 
 def _of_low_bands(powers: list[float], shares: NDArray[np.float64]) -> float:

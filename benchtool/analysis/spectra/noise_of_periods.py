@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.noise import NoiseFloor, relative_to_found
+from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
 _BY_CHANCE = 1e-2  # of a ratio of variances
@@ -20,6 +21,7 @@ _AS_ONE = 35.0 / 18.0  # second differences overlap: the sum of their squared co
 _ALIKE = 1e-3  # by chance, of the powers of two differences
 _LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
 _FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
+_OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
@@ -36,11 +38,11 @@ def without_changes(
     Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
     what bends otherwise shows in the fundamental first. Of an amplitude that `has_stepped` the step was
     divided out, but for what it leaves in the period that it is in. There is none where too few differences
-    tell it.
+    tell it, or more of them have more than a step would leave.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
-    if not (has_stepped or _changes(spectrum)):
+    if not (has_stepped or _changes(spectrum, floor.over_time.evenness)):
         return floor
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
@@ -60,6 +62,8 @@ def without_changes(
     power = float(np.mean(kept))
     if not 0.0 < power < (1.0 if has_stepped else _LEAST) * floor.amplitude**2:
         return floor
+    if len(of_each) - len(kept) > _OF_A_STEP + len(of_each) // _ONE_IN:
+        return None  # noise that comes in bursts is no step
     variance = _AS_ONE / (len(kept) * alike)
     if variance > _MOST_VARIANCE:
         return None
@@ -68,6 +72,7 @@ def without_changes(
         amplitude=math.sqrt(power),
         relative_error=relative_to_found(math.sqrt(variance)),
         dof=2.0 / variance,
+        over_time=ONE_LEVEL,
     )
 
 
@@ -77,9 +82,9 @@ def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CH
     return other > 0.0 and fisher_above(2.0 * count, 2.0 * count, power / other) < by_chance
 
 
-def _changes(spectrum: CoherentSpectrum) -> bool:
+def _changes(spectrum: CoherentSpectrum, evenness: float) -> bool:
     """Return whether sidebands of the fundamental are more in phase with it than in quadrature, or less, and
-    not by chance."""
+    not by chance: noise that is most in a part of the record, `evenness` of it, scatters by more."""
     periods, bins = spectrum.periods, spectrum.phasor
     reach = min(periods, len(bins) - periods) - 1
     if reach < 2:
@@ -88,7 +93,7 @@ def _changes(spectrum: CoherentSpectrum) -> bool:
     above = bins[periods + 1 : periods + 1 + reach] * towards
     below = np.conj(bins[periods - reach : periods][::-1] * towards)
     in_phase, in_quadrature = _power(above + below), _power(above - below)
-    return _is_more(max(in_phase, in_quadrature), min(in_phase, in_quadrature), reach)
+    return _is_more(max(in_phase, in_quadrature), min(in_phase, in_quadrature), evenness * reach)
 
 
 def _power(values: NDArray[np.complex128]) -> float:
