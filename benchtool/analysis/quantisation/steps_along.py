@@ -61,26 +61,33 @@ class StepsAlong(RepeatedSteps):
 def steps_along(samples: Floats, step: float) -> StepsAlong | None:
     """Return the errors of steps along samples, shape (n,), over levels in all places; None where noise hides
     them, or where nothing stands out of it."""
-    return steps_of_lines(_lines_of(samples), step)
+    return steps_of_lines(lines_of(samples), step)
 
 
 def steps_of_lines(lines: Complex, step: float, periods: int = 1, in_band: float = 1.0) -> StepsAlong | None:
     """Return the errors of steps along a record of so many periods, as `steps_along`, by all `lines` of it,
     shape (n,): peak amplitudes of cosines, the first its mean, up to a share of half of the rate."""
-    stand_out = _with_leaks(_stand_out(lines, step), lines, step)
-    about, mean = np.append(0.0, lines[1:]), float(lines[0].real)
-    signal, rest = (_along(np.where(each, about, 0.0)) for each in (stand_out, ~stand_out))
+    mean, count = float(lines[0].real), 2 * len(lines) - 1
+    signal, noise = apart_from_noise(lines, step, count, in_band)
     size = float(np.std(signal))
     if not size > 0.0:
         return None
-    # at the ends the spectrum leaves out more
-    left = float(np.average(rest**2, weights=np.hanning(len(rest)))) / in_band
-    noise = noise_beside(left, step)
     signal = signal[:: -(-len(signal) // _MOST_ROWS)]
     larger = 1.0 + _APART * step / size * np.random.default_rng(0).standard_normal(_DRAWS)
     levels = step * np.arange(_DRAWS) / _DRAWS
     errors = error_of_steps(mean + np.outer(larger, signal), step, noise, levels[:, np.newaxis])
     return None if errors is None else StepsAlong(mean + signal, errors, 1, periods)
+
+
+def apart_from_noise(lines: Complex, step: float, count: int, in_band: float = 1.0) -> tuple[Floats, float]:
+    """Return what stands out of lines, shape (n,), as of `steps_of_lines`, about its mean along a record of
+    shape (count,), and the rms of the noise in all else, without what steps make of that."""
+    stand_out = _with_leaks(_stand_out(lines, step), lines, step)
+    about = np.append(0.0, lines[1:])
+    signal, rest = (_along(np.where(each, about, 0.0), count) for each in (stand_out, ~stand_out))
+    # at the ends the spectrum leaves out more
+    left = float(np.average(rest**2, weights=np.hanning(len(rest)))) / in_band
+    return signal, noise_beside(left, step)
 
 
 def are_alike(lines: Complex, step: float, periods: int = 1) -> bool:
@@ -106,7 +113,7 @@ def are_read_alike(samples: Floats, turns: Floats, step: float) -> bool:
     around = _NEIGHBOURS if float(np.ptp(samples)) < _FEW * step else 1
     off = np.empty(len(samples))
     off[order] = _off_neighbours(samples[order], place[order], around)
-    return are_alike(_lines_of(off), step)
+    return are_alike(lines_of(off), step)
 
 
 def _off_neighbours(values: Floats, place: Floats, around: int) -> Floats:
@@ -123,7 +130,8 @@ def _off_neighbours(values: Floats, place: Floats, around: int) -> Floats:
     return np.asarray(values - mean - slope * (place - middle))
 
 
-def _lines_of(samples: Floats) -> Complex:
+def lines_of(samples: Floats) -> Complex:
+    """Return the lines of samples, shape (n,), as of `steps_of_lines`."""
     lines = fft.rfft(samples) * (2.0 / len(samples))
     lines[0] *= 0.5
     return np.asarray(lines)
@@ -146,7 +154,6 @@ def _with_leaks(stand_out: NDArray[np.bool_], lines: Complex, step: float) -> ND
     return found
 
 
-def _along(lines: Complex) -> Floats:
-    """Return what lines of no mean are along a record, shape (about twice as many,)."""
-    count = 2 * len(lines) - 1
+def _along(lines: Complex, count: int) -> Floats:
+    """Return what lines of no mean are along a record, shape (count,)."""
     return np.asarray(fft.irfft(lines * (0.5 * count), count))

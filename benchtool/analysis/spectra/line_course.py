@@ -36,7 +36,7 @@ def along_course(samples: Floats, bins: Complexes, line: Line, others: Sequence[
     parts = min(parts, int((_LARGEST_RAD / line.of_place) ** 2))
     if parts < FEWEST:
         return line
-    alone = _without_slow(samples - _sum_of(others, bins, count), line.place)
+    alone = _without_slow(samples - sum_of(others, bins, count), line.place)
     phasors = _in_parts(alone, line.place, parts)
     if not float(np.min(np.abs(phasors))) > 0.0:
         return line
@@ -56,7 +56,7 @@ def _has_sidebands(line: Line, others: Sequence[Line]) -> bool:
     )
 
 
-def _sum_of(lines: Sequence[Line], bins: Complexes, count: int) -> Floats:
+def sum_of(lines: Sequence[Line], bins: Complexes, count: int) -> Floats:
     """Return the sinusoids of these lines, shape (count,)."""
     places = np.array([each.place for each in lines])
     number, total = np.arange(count), np.zeros(count)

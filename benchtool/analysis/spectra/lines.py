@@ -24,6 +24,7 @@ from benchtool.analysis.spectra.around_lines import (
     surrounded,
 )
 from benchtool.analysis.spectra.line_course import along_course
+from benchtool.analysis.spectra.quantised_lines import HANN_POWER, steps_in_lines
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line, examined
 from benchtool.analysis.spectra.swinging_lines import is_sideband, with_swing
@@ -42,7 +43,6 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
-_HANN_POWER = 6.0  # mean square of a bin's amplitude, of white noise, times the samples over that of these
 _MOST_PLACES, _WHOLE = 1 << 16, 0.1
 
 
@@ -158,14 +158,17 @@ def sinusoids_of(samples: Floats) -> list[Line]:
     size, step = np.abs(bins), resolution(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
-    found = _examined(bins, count, [each for each in rows if each.amplitude > _STANDS_OUT * each.noise])
-    return [along_course(samples, bins, each, found[1:]) for each in found[:1]] + found[1:]
+    rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
+    rows = sorted(rows, key=lambda each: -each.amplitude)[:_LOOKED_AT]
+    steps = steps_in_lines(samples, bins, rows, step) if rows else None
+    found = _examined(bins, count, rows if steps is None else [steps.with_noise(each) for each in rows])
+    found = [along_course(samples, bins, each, found[1:]) for each in found[:1]] + found[1:]
+    return found if steps is None else [steps.with_errors(each, bins) for each in found]
 
 
 def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
     """Return the largest lines as what they turn out to be, the largest first; those that belong to one that
     changes are part of it."""
-    rows = sorted(rows, key=lambda each: -each.amplitude)[:_LOOKED_AT]
     found: list[Line] = []
     for each in rows:
         if len(found) < _LISTED and not any(abs(each.place - one.place) < one.width for one in found):
@@ -250,14 +253,16 @@ def _line(bins: Complexes, size: Floats, place: int, count: int, step: float, is
     found, own, ratio = surrounded(bins, size, place), float(size[place]), interpolated(size, place)[1]
     component = found.noise / math.sqrt(2.0)
     spread = 3.0 / (1.0 + ratio) ** 2 * math.sqrt(1.0 + ratio**2 - 4.0 * ratio / 3.0)
-    of_steps = _of_steps(found, count, step, is_even) if step > 0.0 else 0.0
-    of_amplitude = math.hypot(component * found.amplitude / own, of_steps)
-    far = math.hypot(found.far, of_steps)
+    of_steps, repeat = _of_steps(found, count, step, is_even) if step > 0.0 else (0.0, False)
+    of_amplitude = math.hypot(component * found.amplitude / own, of_steps if repeat else 0.0)
+    # steps may make a line that is less than one
+    far = math.hypot(found.far, of_steps if repeat or found.amplitude < step else 0.0)
     return Line(found.place, found.amplitude, spread * component / own, of_amplitude, found.noise, far)
 
 
-def _of_steps(line: Surrounded, count: int, step: float, is_even: bool) -> float:
-    """Return the standard uncertainty of the amplitude of a line by what a converter's steps repeat with it.
+def _of_steps(line: Surrounded, count: int, step: float, is_even: bool) -> tuple[float, bool]:
+    """Return the standard uncertainty of the amplitude of a line by what a converter's steps repeat with it,
+    and whether they repeat from period to period: else they are looked up along the record.
 
     Errors are another from step to step that the line crosses in a period, or from sample to sample where n
     samples take so nearly a whole number of periods that the same n places are read again and again: each has
@@ -271,9 +276,10 @@ def _of_steps(line: Surrounded, count: int, step: float, is_even: bool) -> float
     places = together * np.maximum(1.0, 2.0 * drifts * crossed)
     if is_even:  # of an odd number the other half is between the places
         places = np.where(together % 2.0 == 0.0, 0.5 * places, places)
-    noise_rms = line.far * math.sqrt(count / _HANN_POWER)
+    noise_rms = line.far * math.sqrt(count / HANN_POWER)
     hidden = share_left(noise_beside(noise_rms**2, step), step) if math.isfinite(noise_rms) else 1.0
-    return hidden * step * math.sqrt(2.0 / (12.0 * min(crossed, float(np.min(places)))))
+    fewest = float(np.min(places))
+    return hidden * step * math.sqrt(2.0 / (12.0 * min(crossed, fewest))), fewest < crossed
 
 
 def _is_whole(number: float) -> bool:
