@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise_beside
@@ -36,36 +37,33 @@ _LEAST_LINE = 0.25  # of a step: smaller ones may be made by steps
 _DRAWS, _APART = 32, 0.2  # of a step, rms: by how much signals that may be read alike differ
 _FEW, _APART_OF_FEW = 2.5, 0.5  # steps, from least to greatest; of a step: what was read tells them less
 _MOST_ROWS = 1 << 15
+_DRAWS_OF_NOISE = 8  # which eleven bins of each tell well enough
 _AROUND = 5  # bins to either side, in which a line is fitted
 
 
 @dataclass(frozen=True)
 class StepsInLines:
     """Errors of a converter's steps at some `rows` of a record of `count`, shape (draws, rows), times the
-    weights with which the sum of errors and a cosine is a peak amplitude under a Hann window."""
+    weights with which the sum of errors and a cosine is a peak amplitude under a Hann window; `square`, shape
+    (bins,), is the mean square of what they make of each bin."""
 
     rows: NDArray[np.int64]
     errors: Floats
     count: int
-
-    def around(self, place: int) -> Complexes:
-        """Return what errors make of the bins around a place, shape (draws, 11)."""
-        number = np.arange(place - _AROUND, place + _AROUND + 1)
-        turned = (2.0 * np.pi / self.count) * (np.outer(self.rows, number) % self.count)
-        return np.asarray(self.errors @ np.cos(turned) - 1j * (self.errors @ np.sin(turned)))
+    square: Floats
 
     def with_noise(self, line: Line) -> Line:
         """Return a line in whose bins errors count as noise."""
-        errors = self.around(round(line.place))
-        return replace(line, far=math.hypot(line.far, math.sqrt(float(np.mean(np.abs(errors) ** 2)))))
+        place = round(line.place)
+        around = self.square[max(0, place - _AROUND) : place + _AROUND + 1]
+        return replace(line, far=math.hypot(line.far, math.sqrt(float(np.mean(around)))))
 
     def with_errors(self, line: Line, bins: Complexes) -> Line:
         """Return a line in `bins`, shape (n,), by how much it is read at another place and larger than it
         is."""
         place = round(line.place)
-        near = slice(_AROUND - 1, _AROUND + 2)
         read = bins[place - 1 : place + 2]
-        before = [_interpolated(np.abs(read - each)) for each in self.around(place)[:, near]]
+        before = [_interpolated(np.abs(read - each)) for each in self._beside(place)]
         of_place, of_amplitude = np.sqrt(
             np.mean((np.array(before) - _interpolated(np.abs(read))) ** 2, axis=0)
         )
@@ -74,6 +72,13 @@ class StepsInLines:
             of_place=math.hypot(line.of_place, float(of_place)),
             of_amplitude=math.hypot(line.of_amplitude, float(of_amplitude)),
         )
+
+    def _beside(self, place: int) -> Complexes:
+        """Return what errors make of a bin and both beside it, shape (draws, 3)."""
+        turned = (2.0 * np.pi / self.count) * (
+            np.outer(self.rows, np.arange(place - 1, place + 2)) % self.count
+        )
+        return np.asarray(self.errors @ np.cos(turned) - 1j * (self.errors @ np.sin(turned)))
 
 
 def steps_in_lines(
@@ -105,7 +110,15 @@ def steps_in_lines(
     if errors is None:
         return None
     weights = spectral_window("hann", count)
-    return StepsInLines(rows, errors * (weights[rows] * (2.0 / float(np.mean(weights)) / len(rows))), count)
+    errors = errors * (weights[rows] * (2.0 / float(np.mean(weights)) / len(rows)))
+    square = np.mean([_square_of_bins(rows, each, count) for each in errors[:_DRAWS_OF_NOISE]], axis=0)
+    return StepsInLines(rows, errors, count, square)
+
+
+def _square_of_bins(rows: NDArray[np.int64], errors: Floats, count: int) -> Floats:
+    along = np.zeros(count)
+    along[rows] = errors
+    return np.asarray(np.abs(fft.rfft(along)) ** 2)
 
 
 def _is_hidden(noise: float, step: float) -> bool:
