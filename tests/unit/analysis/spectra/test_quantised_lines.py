@@ -9,6 +9,7 @@ from scipy.special import j1
 
 from benchtool.analysis.spectra.lines import sinusoids_of
 from benchtool.analysis.spectra.steadiness import Line
+from tests.at_length import at_length
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ def of_bessel_functions(steps: float, mean: float) -> float:
     return float(STEP * size @ np.cos(2.0 * np.pi * order * mean))
 
 
-@pytest.mark.parametrize("cycles", [7.3, 13.7, 70.7])
+@pytest.mark.parametrize("cycles", [7.3, 70.7, *at_length(13.7)])
 def test_an_amplitude_is_as_uncertain_as_steps_make_it(cycles: float) -> None:
     errors, ratios = [], []
     for number, steps in enumerate(np.linspace(2.0, 5.75, 16)):

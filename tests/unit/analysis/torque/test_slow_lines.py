@@ -212,7 +212,7 @@ def test_a_speed_that_swings_along_its_own_angle_has_the_mean_over_time() -> Non
         assert abs(found.value - mean) < 3.0 * found.uncertainty.standard < 0.25 * swing**2 * mean
 
 
-@pytest.mark.parametrize("steps", [1.0, 3.5])
+@pytest.mark.parametrize("steps", [1.0, *at_length(3.5)])
 def test_the_mean_of_a_slow_line_in_few_steps_is_known_as_well_as_these_let_it(steps: float) -> None:
     step, random, errors = 0.05, np.random.default_rng(3), []
     for _ in range(12):
