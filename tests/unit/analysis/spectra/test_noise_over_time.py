@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import CoherentSamples, noise_floor
 from benchtool.analysis.spectra.noise_of_periods import without_changes
+from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL, noise_over_time
 from benchtool.analysis.spectra.spectrum import CoherentSpectrum, spectrum_of
 
 _PER_PERIOD, _NOISE = 100, 1e-3
@@ -57,6 +58,7 @@ def test_noise_of_one_level_hardly_gains_an_uncertainty() -> None:
         evenness.append(floor.over_time.evenness)
     assert np.sqrt(np.mean(np.square(shares))) < 0.6
     assert min(evenness) > 0.75
+    assert max(evenness) <= 1.0
 
 
 def test_a_level_that_changes_once_has_no_uncertainty() -> None:
@@ -65,6 +67,24 @@ def test_a_level_that_changes_once_has_no_uncertainty() -> None:
     floor = noise_floor(recorded(noise)[1])
     assert floor is not None
     assert math.isnan(floor.by_time.standard)
+
+
+def test_one_burst_does_not_tell_how_much_power_others_would_have() -> None:
+    """Of 64 parts of which one holds all power the mean is off by as much as it is."""
+    rows, random = 40 * _PER_PERIOD, np.random.default_rng(8)
+    level = np.full(rows, 0.05)
+    level[rows // 5 :][: rows // 64] = 10.0
+    few = noise_floor(recorded(level * random.standard_normal(rows))[1])
+    level[np.arange(rows) // (rows // 64) % 4 == 0] = 10.0
+    more = noise_floor(recorded(level * random.standard_normal(rows))[1])
+    assert few is not None
+    assert more is not None
+    assert math.isnan(few.by_time.standard)
+    assert math.isfinite(more.by_time.standard)
+
+
+def test_bins_of_nothing_are_of_one_level() -> None:
+    assert noise_over_time(np.zeros(500, dtype=np.complex128), np.arange(100, 400)) is ONE_LEVEL
 
 
 def test_a_few_bins_have_no_course() -> None:
