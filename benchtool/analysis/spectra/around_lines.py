@@ -54,9 +54,7 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
     of noise is as high on both sides nearby. So are other lines on both sides, as of a speed that swings:
     those are fitted, all at once, and what they leave is the noise.
     """
-    offset, _ = interpolated(size, place)
-    # the Hann window's response at `offset` from the middle of a bin
-    amplitude = float(size[place]) / (float(np.sinc(offset)) / (1.0 - offset**2))
+    offset, amplitude = line_at(size, place)
     first, last = place - MAIN_LOBE, place + MAIN_LOBE + 1
     number = np.concatenate(
         [np.arange(max(1, first - BESIDE), max(1, first)), np.arange(last, min(last + BESIDE, len(size)))]
@@ -132,3 +130,10 @@ def interpolated(size: Floats, place: int) -> tuple[float, float]:
     side = 1 if size[place + 1] > size[place - 1] else -1
     ratio = float(size[place + side] / size[place]) if size[place] > 0.0 else 0.0
     return side * max(-0.5, (2.0 * ratio - 1.0) / (1.0 + ratio)), ratio
+
+
+def line_at(size: Floats, place: int) -> tuple[float, float]:
+    """Return how far a line is from its greatest bin, in bins, and its amplitude, by the response of a Hann
+    window at that distance."""
+    offset, _ = interpolated(size, place)
+    return offset, float(size[place]) / (float(np.sinc(offset)) / (1.0 - offset**2))

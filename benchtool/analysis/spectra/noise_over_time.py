@@ -9,6 +9,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.statistics.scatter import MeanError, error_of_series
 
 _PARTS, _FEWEST_PARTS = 64, 16
@@ -35,7 +36,8 @@ ONE_LEVEL = NoiseOverTime(MeanError(0.0, math.inf), 1.0)
 
 
 def noise_over_time(phasor: NDArray[np.complex128], bins: NDArray[np.int64]) -> NoiseOverTime:
-    """Return how the level of noise changes: what a spectrum, `phasor`, shape (n,), has in these `bins`.
+    """Return how the level of noise changes: what a spectrum, `phasor`, shape (n,), has in these `bins`,
+    in ascending order.
 
     The scatter of the bins tells the error of the power of noise of one level: its variance is half the sum
     of their powers' squares over the square of their sum. Of noise in bursts, or of a drive that goes from
@@ -46,9 +48,9 @@ def noise_over_time(phasor: NDArray[np.complex128], bins: NDArray[np.int64]) -> 
     parts = min(_PARTS, len(bins) // _BINS_OF_A_PART)
     if parts < _FEWEST_PARTS:
         return ONE_LEVEL
-    alone = np.zeros(len(phasor), dtype=np.complex128)
+    alone = np.zeros(int(bins[-1]) + 1, dtype=np.complex128)
     alone[bins] = phasor[bins]
-    wave = fft.irfft(alone, 2 * (len(alone) - 1)) * (len(alone) - 1)
+    wave = fft.irfft(alone, next_fast_length(2 * len(alone)))
     size = len(wave) // parts
     power = np.mean(np.square(wave[: size * parts]).reshape(parts, size), axis=1)
     mean = float(np.mean(power))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise_beside
 from benchtool.analysis.quantisation.resolution import level_of
 from benchtool.analysis.quantisation.steps_along import apart_from_noise, lines_of
-from benchtool.analysis.spectra.around_lines import RAYLEIGH, interpolated
+from benchtool.analysis.spectra.around_lines import RAYLEIGH, line_at
 from benchtool.analysis.spectra.line_course import sum_of
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line
@@ -63,10 +63,8 @@ class StepsInLines:
         is."""
         place = round(line.place)
         read = bins[place - 1 : place + 2]
-        before = [_interpolated(np.abs(read - each)) for each in self._beside(place)]
-        of_place, of_amplitude = np.sqrt(
-            np.mean((np.array(before) - _interpolated(np.abs(read))) ** 2, axis=0)
-        )
+        before = [line_at(np.abs(read - each), 1) for each in self._beside(place)]
+        of_place, of_amplitude = np.sqrt(np.mean((np.array(before) - line_at(np.abs(read), 1)) ** 2, axis=0))
         return replace(
             line,
             of_place=math.hypot(line.of_place, float(of_place)),
@@ -98,7 +96,7 @@ def steps_in_lines(
     slow, noise = apart_from_noise(lines_of(samples - own), step, count)
     signal = own - np.mean(own) + slow
     rms = float(np.std(signal))
-    if not rms > 0.0 or _is_hidden(noise, step):
+    if not rms > 0.0:
         return None
     random, rows = np.random.default_rng(0), np.arange(count)
     if count > _MOST_ROWS:  # any: what repeats does not repeat with them
@@ -123,9 +121,3 @@ def _square_of_bins(rows: NDArray[np.int64], errors: Floats, count: int) -> Floa
 
 def _is_hidden(noise: float, step: float) -> bool:
     return error_of_steps(np.zeros(1), step, noise, 0.0) is None
-
-
-def _interpolated(size: Floats) -> tuple[float, float]:
-    """Return place and amplitude of a line by three bins about its maximum, shape (3,)."""
-    offset, _ = interpolated(size, 1)
-    return offset, float(size[1]) / (float(np.sinc(offset)) / (1.0 - offset**2))

@@ -7,7 +7,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import j0, j1
 
-from benchtool.analysis.quantisation.steps_along import are_alike, are_read_alike, steps_along, steps_of_lines
+from benchtool.analysis.quantisation.steps_along import (
+    are_alike,
+    are_read_alike,
+    lines_of,
+    steps_along,
+    steps_of_lines,
+)
 
 Floats = NDArray[np.float64]
 
@@ -70,12 +76,6 @@ def test_every_other_period_is_told_where_places_lie_evenly() -> None:
     """The nearest in place are an even number of periods away, where order 3 / 2 is at the same place."""
     turns = np.linspace(0.0, 241.3, 12_007, endpoint=False)
     assert not are_read_alike(read(2.0 + STEP * np.cos(3.0 * np.pi * turns + 0.3)), turns, STEP)
-
-
-def lines_of(signal: Floats) -> NDArray[np.complex128]:
-    lines = np.fft.rfft(signal) * (2.0 / len(signal))
-    lines[0] *= 0.5
-    return np.asarray(lines)
 
 
 def test_lines_between_harmonics_take_periods_to_other_parts_of_the_steps() -> None:
