@@ -2,7 +2,8 @@
 
 Of every family of signals random records are made, whose truth is known by construction, and analysed.
 Printed is for each measurement how often +-u, +-2u and +-U hold the truth and the rms of error / u; `null`
-stands for a number that was refused with a reason, `bound` for errors that are smaller than u because the
+stands for a number that was refused with a reason, `uncounted` for one whose truth the family does not tell,
+and `bound` for errors that are smaller than u because the
 family's sensors are always of one kind among those that the profile allows. Last come the quantiles of that
 rms over all answers. A pass over all families takes some ten minutes on two cores; a doubtful number is
 counted again by its family's name with more repetitions and another seed. Exit code 1 if any uncertainty is
@@ -60,9 +61,9 @@ def main() -> int:
                 _print([each for each in part if not options.narrow or each.verdict in ("narrow", "wide")])
     counts = {
         verdict: sum(each.verdict == verdict for each in found)
-        for verdict in ("holds", "wide", "bound", "narrow", "null")
+        for verdict in ("holds", "wide", "bound", "narrow", "null", "uncounted")
     }
-    rms = [each.rms for each in found if each.verdict != "null" and each.rms > 0.0]
+    rms = [each.rms for each in found if each.verdict not in ("null", "uncounted") and each.rms > 0.0]
     quantiles = {
         f"{100.0 * share:g} %": round(float(np.quantile(rms, share)), 3) for share in _QUANTILES if rms
     }

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import converted
 from benchtool.analysis import Measurement, analyze_step
 from benchtool.block import Block
@@ -105,7 +105,7 @@ class Answer:
         return np.asarray(y[np.maximum.accumulate(np.maximum(new, 0))])
 
 
-def _trial(what: Answer, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _trial(what: Answer, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one step response, with the row of the step known."""
     what = what.anywhere(random)
     before, after = what.rows

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
 from benchmarks.coverage.noise import OF_RANGE, Kind as OfNoise, coloured, converted, noise_of
 from benchtool.analysis import (
-    Measurement,
     current_spectrum,
     current_unbalance,
     flux_trajectory,
@@ -28,7 +27,7 @@ from benchtool.block import Block
 from benchtool.profile import Motor
 
 Floats = NDArray[np.float64]
-Found = Iterator[tuple[Measurement, float]]
+Found = Iterator[Compared]
 
 RATE_HZ = 10_000.0
 MOTOR = Motor(

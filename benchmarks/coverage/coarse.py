@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 from scipy import signal
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import coloured, converted
-from benchtool.analysis import Measurement, analyze_response, order_analysis, torque_ripple, track_angle
+from benchtool.analysis import analyze_response, order_analysis, torque_ripple, track_angle
 from benchtool.block import Block
 
 RATE_HZ, STEP_NM = 2_000.0, 0.05
@@ -37,7 +37,7 @@ class Coarse:
     are_revolutions_known: bool = True
 
 
-def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[Compared]:
     least, most = what.speed_Hz
     speed_Hz = least if most == least else random.uniform(least, most)
     count = round(what.revolutions / speed_Hz * RATE_HZ)
@@ -81,7 +81,7 @@ class CoarseOutput:
     noise: float = 0.03
 
 
-def _output(what: CoarseOutput, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _output(what: CoarseOutput, random: np.random.Generator) -> Iterator[Compared]:
     rate_Hz, count, step = 4_000.0, 16_000, random.uniform(0.01, 0.1)
     corner_Hz, held = random.uniform(40.0, 130.0), random.integers(*what.rows)
     x = np.repeat(random.choice([-1.0, 1.0], count // held + 1), held)[:count]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import Measurement, Uncertainty, spectral_lines
 from benchtool.block import Block
@@ -44,7 +44,7 @@ class CoarseCurrent:
     harmonics: tuple[int, ...] = ()
 
 
-def _lines(what: CoarseLines, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _lines(what: CoarseLines, random: np.random.Generator) -> Iterator[Compared]:
     step = MEAN_NM * _log_uniform(random, what.step)
     speed_Hz = random.uniform(*what.speed_Hz)
     count = round(random.uniform(*what.revolutions) / speed_Hz * RATE_HZ)
@@ -61,7 +61,7 @@ def _lines(what: CoarseLines, random: np.random.Generator) -> Iterator[tuple[Mea
     yield from _measured(converted(torque, step, random), RATE_HZ, made)
 
 
-def _current(what: CoarseCurrent, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _current(what: CoarseCurrent, random: np.random.Generator) -> Iterator[Compared]:
     rate_Hz, step = 10_000.0, 11.0 / 2.0 ** random.integers(what.bits[0], what.bits[1] + 1)
     f_Hz, size = random.uniform(17.0, 60.0), random.uniform(3.0, 5.0)
     time = np.arange(round(random.uniform(20.3, 80.0) / f_Hz * rate_Hz)) / rate_Hz
@@ -76,7 +76,7 @@ def _current(what: CoarseCurrent, random: np.random.Generator) -> Iterator[tuple
 
 def _measured(
     samples: NDArray[np.float64], rate_Hz: float, made: Sequence[tuple[float, float]]
-) -> Iterator[tuple[Measurement, float]]:
+) -> Iterator[Compared]:
     """Return the largest line, and that of each row of the table which is one that was made."""
     found = spectral_lines(Block.from_arrays(rate_Hz, {"torque": "Nm"}, torque=samples), "torque")
     largest = max(made, key=lambda each: each[1])

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchmarks.coverage.families import families_of, selected
-from benchtool.analysis import Measurement, analyze_response
+from benchmarks.coverage.families import Compared, families_of, selected
+from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -41,7 +41,7 @@ class Controlled:
     damping: float | None = None
 
 
-def controlled_trial(what: Controlled, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def controlled_trial(what: Controlled, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one record."""
     numerator, denominator = _loop(random) if what.damping is None else _resonance(what.damping, random)
     x = _excited(what.excitation, random)

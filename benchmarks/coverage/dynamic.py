@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, signal
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
-from benchtool.analysis import Measurement, analyze_response, analyze_step
+from benchtool.analysis import analyze_response, analyze_step
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -125,7 +125,7 @@ class Excited:
     )
 
 
-def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one step response."""
     what = replace(what, lag=what.lag.varied(random))
     row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
@@ -189,7 +189,7 @@ def _crossing(time_s: Floats, y: Floats, level: float) -> float:
     return float(time_s[above[0]]) if len(above) else math.nan
 
 
-def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one frequency response; the system runs in continuous time, its input is held."""
     what = replace(what, lag=what.lag.varied(random))
     count = round(what.duration_s * RATE_HZ)
@@ -239,7 +239,7 @@ class Looped:
     duration_s: float = 4.0
 
 
-def looped_trial(what: Looped, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def looped_trial(what: Looped, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the stability margins of one closed loop."""
     gain, rows = 2.0 * math.pi * what.crossover_Hz / RATE_HZ, what.delay_rows
     ahead, behind = np.zeros(rows + 1), np.zeros(rows + 1)

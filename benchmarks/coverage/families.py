@@ -17,7 +17,10 @@ from benchtool.errors import AnalysisError
 OF_THE_ENSEMBLE = math.nan
 """Truth of a number that is random itself, such as a peak-to-peak value: the ensemble's mean."""
 
-Trial = Callable[[np.random.Generator], Iterable[tuple[Measurement, float]]]
+Compared = tuple[Measurement, float | None]
+"""A measurement with its truth; None where the family does not tell it."""
+
+Trial = Callable[[np.random.Generator], Iterable[Compared]]
 """Measurements of one random record of a family, each with its truth; may raise AnalysisError."""
 
 LEAST_COVERED, LEAST_RMS, LARGEST_RMS = 0.90, 0.7, 1.4
@@ -44,7 +47,7 @@ What = TypeVar("What")
 
 
 def families_of(
-    trial: Callable[[What, np.random.Generator], Iterable[tuple[Measurement, float]]],
+    trial: Callable[[What, np.random.Generator], Iterable[Compared]],
     records: Mapping[str, What],
     fixed_within_bound: Callable[[What], bool] = lambda _: False,
 ) -> tuple[Family, ...]:
@@ -58,9 +61,10 @@ def families_of(
 class Score:
     """How errors of a measurement compare with its uncertainty over the repetitions of a family.
 
-    `answered` of `repetitions` gave a number with an uncertainty, the others null with a reason. `within_u`,
-    `within_2u` and `within_U` are shares of these; `rms` is that of error / u, `mean` its mean, both without
-    numbers that are exact and stated as exact, but for rounding.
+    `answered` of `repetitions` gave a number with an uncertainty and are compared with the truth;
+    `uncompared` gave one whose truth the family does not tell, the others null with a reason. `within_u`,
+    `within_2u` and `within_U` are shares of the answers; `rms` is that of error / u, `mean` its mean, both
+    without numbers that are exact and stated as exact, but for rounding.
     """
 
     family: str
@@ -68,6 +72,7 @@ class Score:
     measurement: str
     repetitions: int
     answered: int
+    uncompared: int
     within_u: float
     within_2u: float
     within_U: float
@@ -76,10 +81,10 @@ class Score:
 
     @property
     def verdict(self) -> str:
-        """`null` (refused), `holds`, `wide` (u too large), `narrow` (u too small), or `bound` (errors smaller
-        than u, of a kind that is one of many within a bound)."""
+        """`null` (refused), `uncounted` (no truth), `holds`, `wide` (u too large), `narrow` (u too small), or
+        `bound` (errors smaller than u, of a kind that is one of many within a bound)."""
         if self.answered <= _FEWEST_ANSWERS * self.repetitions:
-            return "null"
+            return "uncounted" if self.uncompared > _FEWEST_ANSWERS * self.repetitions else "null"
         if self.rms == 0.0:
             return "holds"
         # so few repetitions that the share itself scatters, as a binomial one
@@ -94,7 +99,7 @@ class Score:
 
 def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
     """Yield every measurement of a family, over that many random records."""
-    found: dict[str, list[tuple[Measurement, float]]] = {}
+    found: dict[str, list[Compared]] = {}
     # equal records in many families would be one chance, counted often
     own = zlib.crc32(family.name.encode())
     for number in range(repetitions):
@@ -108,17 +113,17 @@ def scores(family: Family, repetitions: int, seed: int = 0) -> Iterator[Score]:
         yield _score(family, name, repetitions, results)
 
 
-def _score(
-    family: Family, name: str, repetitions: int, results: Sequence[tuple[Measurement, float]]
-) -> Score:
+def _score(family: Family, name: str, repetitions: int, results: Sequence[Compared]) -> Score:
     scored = partial(Score, family.name, family.fixed_within_bound, name, repetitions)
-    answers = [
+    stated = [
         (each.value, truth, each.uncertainty)
         for each, truth in results
         if math.isfinite(each.value) and each.uncertainty is not None
     ]
+    answers = [(value, truth, uncertain) for value, truth, uncertain in stated if truth is not None]
+    uncompared = len(stated) - len(answers)
     if not answers:
-        return scored(0, *(math.nan,) * 5)
+        return scored(0, uncompared, *(math.nan,) * 5)
     value = np.array([each for each, _, _ in answers])
     truth = np.array([each for _, each, _ in answers])
     standard = np.array([max(each.standard, 1e-300) for _, _, each in answers])
@@ -133,6 +138,7 @@ def _score(
     told = relative[(error != 0.0) | (standard >= _ROUNDING * np.abs(truth))]
     return scored(
         len(answers),
+        uncompared,
         float(np.mean(np.abs(relative) <= 1.0)),
         float(np.mean(np.abs(relative) <= 2.0)),
         float(np.mean(np.abs(error) <= expanded)),
@@ -141,8 +147,11 @@ def _score(
     )
 
 
-def selected(
-    measurements: Iterable[Measurement], truths: Mapping[str, float]
-) -> Iterator[tuple[Measurement, float]]:
-    """Return the measurements whose truth is known, with it."""
-    return ((each, truths[each.name]) for each in measurements if each.name in truths)
+def selected(measurements: Iterable[Measurement], truths: Mapping[str, float]) -> Iterator[Compared]:
+    """Yield the measurements whose truth is known with it, and without one the others that state an
+    uncertainty."""
+    for each in measurements:
+        if each.name in truths:
+            yield each, truths[each.name]
+        elif each.uncertainty is not None:
+            yield each, None

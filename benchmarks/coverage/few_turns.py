@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import coloured
-from benchtool.analysis import Measurement
 from benchtool.analysis.orders.angle import angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders
 from benchtool.analysis.orders.orders import describe_orders
@@ -29,7 +28,7 @@ class FewTurns:
     highest: int = 0  # order of 0.01 Nm
 
 
-def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[Compared]:
     count = round(what.revolutions * what.rows_per_turn)
     turned = np.cumsum(random.uniform(1.0 - what.uneven, 1.0 + what.uneven, count))
     turned *= 2 * np.pi * what.revolutions / turned[-1]

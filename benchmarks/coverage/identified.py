@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.coverage.dynamic import RATE_HZ, Lag, discrete
-from benchmarks.coverage.families import families_of, selected
-from benchtool.analysis import Measurement, analyze_response
+from benchmarks.coverage.families import Compared, families_of, selected
+from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ class Identified:
         return np.asarray(x / np.std(x))
 
 
-def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one record."""
     what = replace(what, lag=what.lag.varied(random))
     numerator, denominator = what.filter

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
 from benchmarks.coverage.steady import POLE_PAIRS, RATE_HZ, TORQUE_NM
-from benchtool.analysis import Measurement, ripple_numbers, track_angle
+from benchtool.analysis import ripple_numbers, track_angle
 from benchtool.block import Block, Channel
 
 Floats = NDArray[np.float64]
@@ -65,7 +65,7 @@ def _record(what: _LimitCycle, random: np.random.Generator) -> tuple[Floats, Flo
     return torque_Nm[_SETTLED:], theta_e[_SETTLED:] / POLE_PAIRS
 
 
-def limit_cycle_trial(what: _LimitCycle, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def limit_cycle_trial(what: _LimitCycle, random: np.random.Generator) -> Iterator[Compared]:
     """Yield mean and ripple of one record."""
     torque_Nm, theta_m = _record(what, random)
     block = Block((Channel("torque", "Nm"),), 0, 1, 1.0 / RATE_HZ, torque_Nm[:, np.newaxis])

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import Kind, noise_of
-from benchtool.analysis import Measurement, spectral_lines
+from benchtool.analysis import spectral_lines
 from benchtool.block import Block
 
 RATE_HZ, LINE_NM = 2_000.0, 0.1
@@ -40,7 +40,7 @@ class Changing:
     duration_s: float = 4.0
 
 
-def _trial(what: Changing, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _trial(what: Changing, random: np.random.Generator) -> Iterator[Compared]:
     count = round(what.duration_s * RATE_HZ)
     at, per_bin_Hz = np.arange(count) / count, 1.0 / what.duration_s
     middle_Hz = random.uniform(60.0, 300.0)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchmarks.coverage.families import families_of, selected
-from benchtool.analysis import Measurement, analyze_response
+from benchmarks.coverage.families import Compared, families_of, selected
+from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class SpeedLoop:
     delay_rows: int = 1
 
 
-def _trial(what: SpeedLoop, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _trial(what: SpeedLoop, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of a loop whose crossover, zero, lag and sample rate are drawn."""
     crossover_Hz = random.uniform(*_CROSSOVER_HZ)
     rate_Hz = crossover_Hz * math.exp(random.uniform(*np.log(_ROWS_PER_CYCLE)))

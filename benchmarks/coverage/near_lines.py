@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import converted
 from benchtool.analysis import (
     Measurement,
@@ -49,7 +49,7 @@ class Beside:
     lines: int = 1
 
 
-def _beside(what: Beside, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _beside(what: Beside, random: np.random.Generator) -> Iterator[Compared]:
     f_Hz, periods, size_A = (
         random.uniform(17.0, 60.0),
         random.uniform(*what.periods),
@@ -106,7 +106,7 @@ class Pair:
     cycles: tuple[float, float] = (30.0, 600.0)
 
 
-def _pair(what: Pair, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _pair(what: Pair, random: np.random.Generator) -> Iterator[Compared]:
     rate_Hz, count = 2_000.0, int(random.integers(4_000, 12_000))
     time, cycles = np.arange(count) / count, random.uniform(*what.cycles)
     off, share = random.choice([-1.0, 1.0]) * random.uniform(*what.bins), _log_uniform(random, *what.share)
@@ -143,7 +143,7 @@ class Commensurate:
     periods: tuple[int, int] = (20, 400)
 
 
-def _commensurate(what: Commensurate, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _commensurate(what: Commensurate, random: np.random.Generator) -> Iterator[Compared]:
     rate_Hz, bits = 2_000.0, int(random.integers(what.bits[0], what.bits[1] + 1))
     together, periods = int(random.integers(1, 4)), int(random.integers(*what.periods))
     samples = int(random.integers(*what.samples)) + (

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import Kind, noise_of
-from benchtool.analysis import Measurement, current_spectrum, track_angle
+from benchtool.analysis import current_spectrum, track_angle
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ class PartOfTurn:
     kind: Kind = "white"
 
 
-def _trial(what: PartOfTurn, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _trial(what: PartOfTurn, random: np.random.Generator) -> Iterator[Compared]:
     least = max(_LEAST_POLE_PAIRS, int(_FEWEST_PERIODS / what.revolutions) + 1)
     pole_pairs = int(random.integers(least, _MOST_POLE_PAIRS + 1))
     f_Hz = random.uniform(20.0, 120.0)

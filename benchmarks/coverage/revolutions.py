@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.channels import RADIUS_WB
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis import (
-    Measurement,
     flux_trajectory,
     order_analysis,
     spectral_lines,
@@ -49,7 +48,7 @@ class Shaft:
     counts: int = 0
 
 
-def _torque(what: Shaft, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _torque(what: Shaft, random: np.random.Generator) -> Iterator[Compared]:
     count = round(what.revolutions / what.speed_Hz * RATE_HZ)
     time_s, size = np.arange(count) / RATE_HZ, what.swing[0]
     theta_m = 2 * np.pi * what.speed_Hz * time_s + random.uniform(0, 2 * np.pi)
@@ -104,7 +103,7 @@ class Tone:
     duration_s: float = 1.5
 
 
-def _tone(what: Tone, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _tone(what: Tone, random: np.random.Generator) -> Iterator[Compared]:
     from scipy.special import j0
 
     time_s = np.arange(round(what.duration_s * RATE_HZ)) / RATE_HZ
@@ -133,7 +132,7 @@ class Path:
     memory: float = 0.0  # of a radius that breathes by one per cent from revolution to revolution
 
 
-def _path(what: Path, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _path(what: Path, random: np.random.Generator) -> Iterator[Compared]:
     speed_Hz, centre, fifth, seventh = 25.0, 0.01, 0.03, 0.015
     count = round(what.revolutions / speed_Hz * RATE_HZ)
     time_s = np.arange(count) / RATE_HZ

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import converted
 from benchtool.analysis import (
-    Measurement,
     analyze_steady_state,
     current_unbalance,
     spectral_lines,
@@ -37,7 +36,7 @@ class SamePlaces:
     is_32_bit: bool = False
 
 
-def _same_places(what: SamePlaces, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _same_places(what: SamePlaces, random: np.random.Generator) -> Iterator[Compared]:
     count = what.rows * round(20_000 / what.rows)
     theta = 2 * np.pi * what.periods / what.rows * np.arange(count) + random.uniform(0, 2 * np.pi)
     size_A, negative = 5.0 * random.uniform(0.9, 1.1), 0.03 * np.exp(2j * np.pi * random.uniform())

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchmarks.coverage.families import Family, families_of, selected
+from benchmarks.coverage.families import Compared, Family, families_of, selected
 from benchmarks.coverage.sensors import (
     ACTUAL,
     MOTOR,
@@ -20,7 +20,7 @@ from benchmarks.coverage.sensors import (
     own_response,
     stated_sensor,
 )
-from benchtool.analysis import Measurement, analyze_step
+from benchtool.analysis import analyze_step
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.plan import Analyses
@@ -60,7 +60,7 @@ def _answer(time_s: Floats, corner_Hz: float, damping: float, own: tuple[float, 
     return np.where(time_s >= 0.0, y.real, 0.0)
 
 
-def _step(what: SensedStep, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _step(what: SensedStep, random: np.random.Generator) -> Iterator[Compared]:
     corner_Hz, damping = _CORNER_HZ * random.uniform(0.8, 1.25), what.damping * random.uniform(0.9, 1.1)
     stated_Hz = what.ratio * corner_Hz
     own = own_response(what.actual, stated_Hz, random)
@@ -100,7 +100,7 @@ _FINE = 8  # steps of the simulation for each row
 _FROM_HZ, _TO_HZ, _SWEEP_S = 2.0, 400.0, 2.0
 
 
-def _response(what: SensedResponse, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _response(what: SensedResponse, random: np.random.Generator) -> Iterator[Compared]:
     corner_Hz, damping = _CORNER_HZ * random.uniform(0.8, 1.25), what.damping * random.uniform(0.8, 1.2)
     stated_Hz = what.ratio * corner_Hz
     bandwidth_Hz, order = own_response(what.actual, stated_Hz, random)

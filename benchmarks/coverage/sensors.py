@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage import channels
-from benchmarks.coverage.families import Family, families_of, selected
+from benchmarks.coverage.families import Compared, Family, families_of, selected
 from benchtool.analysis import Measurement, Uncertainty, percentile_range
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
@@ -78,7 +78,7 @@ def stated_sensor(actual: Actual, bandwidth_Hz: float) -> Sensor:
     return Sensor.model_validate({"bandwidth_Hz": bandwidth_Hz, **known})
 
 
-def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[Compared]:
     f_Hz, count = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ)
     stated_Hz = what.ratio * 10.0 * f_Hz
     own = own_response(what.actual, stated_Hz, random)
@@ -146,7 +146,7 @@ class SensedPhases:
     noise: float = 1e-3
 
 
-def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[Compared]:
     f_Hz, count, size_A = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ), random.uniform(1.0, 5.0)
     stated_Hz = what.ratio * f_Hz
     theta = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform())
@@ -180,7 +180,7 @@ class SensedSteps:
     later: float = 0.05
 
 
-def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[Compared]:
     f_Hz, count, step_Nm = random.uniform(45.0, 55.0), round(0.8 * RATE_HZ), random.uniform(0.01, 0.1)
     theta_m = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform()) / POLE_PAIRS
     mean_Nm = step_Nm * random.uniform(10.0, 50.0)

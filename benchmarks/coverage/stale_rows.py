@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, families_of, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
 from benchtool.analysis import Measurement
 from benchtool.block import Channel
 from benchtool.tables import TableQuestion
@@ -38,7 +38,7 @@ class Table:
     is_speed_stated: bool = False
 
 
-def trial(what: Table, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def trial(what: Table, random: np.random.Generator) -> Iterator[Compared]:
     """Yield the numbers of one record, by what `analyze --csv` makes of its rows."""
     time_s = np.arange(_ROWS) / _RATE_HZ
     frequency_Hz = math.exp(random.uniform(math.log(_SLOWEST_HZ), math.log(_FASTEST_HZ)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import Kind, converted, noise_of
 from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
 from benchtool.block import Block, Gap
@@ -40,7 +40,7 @@ class Stamps:
     line: tuple[float, float] = (0.0, 0.0)  # order and relative amplitude of an interharmonic
 
 
-def trial(what: Stamps, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def trial(what: Stamps, random: np.random.Generator) -> Iterator[Compared]:
     """Yield one record: the rate by its stamps, and the numbers of the uniform rows."""
     rate_Hz = RATE_HZ * (1.0 + 1e-4 * random.standard_normal())
     rows = round(what.periods / FREQUENCY_HZ * rate_Hz)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, selected
 from benchmarks.coverage.noise import UNCORRELATED, Kind, coloured, converted, noise_of
 from benchtool.analysis import (
     CoherentSpectrum,
@@ -192,7 +192,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     return Record(block, frequency_Hz, clean_torque, noise_A, phases_rad, begin_rad)
 
 
-def trial(what: Disturbance, random: np.random.Generator) -> Iterator[tuple[Measurement, float]]:
+def trial(what: Disturbance, random: np.random.Generator) -> Iterator[Compared]:
     """Yield all measurements of one record with a known truth."""
     made = record(what, random)
     noise_rms = what.noise * (what.amplitude_A or 1.0)
