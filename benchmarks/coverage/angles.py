@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from benchmarks.coverage.families import families_of
-from benchmarks.coverage.steady import POLE_PAIRS, Disturbance, trial
+from benchmarks.coverage.steady import trial
+from benchmarks.coverage.steady_records import POLE_PAIRS, Disturbance
 
 _LITTLE = Disturbance(periods=61.3, speed_memory=(3e-5, 0.08))
 ANGLES: Mapping[str, Disturbance] = {

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from benchmarks.coverage.families import families_of
-from benchmarks.coverage.steady import HARMONICS, Disturbance, trial
+from benchmarks.coverage.steady import trial
+from benchmarks.coverage.steady_records import HARMONICS, Disturbance
 
 _QUIET = Disturbance()
 _DRIFT = replace(_QUIET, periods=100.3, noise=1e-4)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
-from benchmarks.coverage.steady import POLE_PAIRS, RATE_HZ, TORQUE_NM
+from benchmarks.coverage.steady_records import POLE_PAIRS, RATE_HZ, TORQUE_NM
 from benchtool.analysis import ripple_numbers, track_angle
 from benchtool.block import Block, Channel
 

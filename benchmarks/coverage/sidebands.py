@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from benchmarks.coverage.families import families_of
-from benchmarks.coverage.steady import Disturbance, trial
+from benchmarks.coverage.steady import trial
+from benchmarks.coverage.steady_records import Disturbance
 
 _QUIET = Disturbance()
 _MANY = replace(_QUIET, periods=118.3, angle=False)

@@ -15,7 +15,8 @@ from benchmarks.coverage.channels import (
 )
 from benchmarks.coverage.dynamic import Excited, Lag, Stepped, excited_trial, stepped_trial
 from benchmarks.coverage.families import families_of
-from benchmarks.coverage.steady import Disturbance, trial
+from benchmarks.coverage.steady import trial
+from benchmarks.coverage.steady_records import Disturbance
 
 _QUIET = Disturbance()
 STEADY: Mapping[str, Disturbance] = {

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from benchmarks.coverage.dynamic import Lag, Stepped, stepped_trial
 from benchmarks.coverage.families import families_of
-from benchmarks.coverage.steady import Disturbance, trial
+from benchmarks.coverage.steady import trial
+from benchmarks.coverage.steady_records import Disturbance
 
 _QUIET = Disturbance()
 STEADY: Mapping[str, Disturbance] = {

@@ -1,0 +1,181 @@
+"""True numbers of steady and less steady records, by their definitions and how the records were made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy import special
+
+from benchmarks.coverage.families import OF_THE_ENSEMBLE
+from benchmarks.coverage.noise import UNCORRELATED
+from benchmarks.coverage.steady_records import (
+    COGGING_NM,
+    COGGING_ORDER,
+    CREST,
+    POLE_PAIRS,
+    RATE_HZ,
+    RATED_A_RMS,
+    RIPPLE_NM,
+    RIPPLE_ORDER,
+    TOOTH_ORDER,
+    TORQUE_NM,
+    Disturbance,
+    Record,
+    is_clean,
+)
+from benchtool.analysis import CoherentSpectrum, percentile_range
+
+_NO_POWER = 1e-5
+_HIGHEST_ORDER = 200
+
+
+def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
+    """Return the truth of the current's and the torque's numbers, of one record and its spectrum's bins."""
+    thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
+    fundamental_A = what.amplitude_A * 0.5 * (1.0 + what.second_regime)
+    truths = {
+        "fundamental_frequency": made.frequency_Hz,
+        "current_fundamental": fundamental_A,
+        "current_thd_f": thd,
+        "current_thd_f_noise_corrected": thd,
+        "current_thd_r": 100.0 / math.sqrt(1.0 + (100.0 / thd) ** 2) if thd else 0.0,
+        "current_tdd": thd * fundamental_A / (math.sqrt(2.0) * RATED_A_RMS),
+        "current_thd_f_subgroups": OF_THE_ENSEMBLE,
+        "current_thd_f_groups": OF_THE_ENSEMBLE,
+    }
+    if is_clean(what) and what.noise <= _NO_POWER:  # what is between harmonics is nothing
+        truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
+    if what.alternates:  # which is in the groups of the record's own phases
+        truths["current_thd_f_groups"] = _groups_of_two(what, made)
+    if what.amplitude_noise[0] and not what.lines:  # likewise
+        truths["current_thd_f_groups"] = _groups_of_steps(what, made)
+    has_regimes = abs(what.second_regime - 1.0) > 0.1  # whose difference hides the harmonics too
+    if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
+        truths["current_max_low_harmonic"] = fundamental_A * max(what.harmonics.values(), default=0.0)
+    if spectrum is not None:
+        floor_A = _noise_floor_A(what, spectrum)
+        bin_Hz = RATE_HZ / spectrum.samples
+        truths |= {
+            "current_noise_floor": floor_A,
+            "current_noise_density": floor_A / math.sqrt(2.0 * bin_Hz),
+        }
+    return truths | _ripple(what, made)
+
+
+def _noise_floor_A(what: Disturbance, spectrum: CoherentSpectrum) -> float:
+    """Return the root of the mean square of a bin between the harmonics."""
+    of_other_power = (
+        what.amplitude_noise[0],
+        what.alternates,
+        what.frozen,
+        what.spikes,
+        what.time_jitter,
+        what.chirp[0],
+        what.bits,
+        what.kind not in UNCORRELATED,
+        math.isfinite(what.clip),
+    )
+    if any(of_other_power):
+        return OF_THE_ENSEMBLE
+    rms_A = what.noise * (what.amplitude_A or 1.0)
+    return 2.0 * rms_A * _share_between(what.colour, spectrum) / math.sqrt(spectrum.samples)
+
+
+def _ripple(what: Disturbance, made: Record) -> dict[str, float]:
+    """Return the truth of the torque's mean and ripple."""
+    rms_Nm = math.sqrt(
+        0.5 * RIPPLE_NM**2 * (1.0 + what.ripple_noise[0] ** 2)
+        + 0.5 * COGGING_NM**2
+        + what.sawtooth[0] ** 2 / 12.0
+        + 0.5 * sum(each**2 for each in what.turns_Nm)
+        + (TORQUE_NM * what.noise) ** 2
+    )
+    if what.peaked or what.kind == "walk":
+        rms_Nm = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
+    clean, is_read = made.clean_torque_Nm, is_clean(what)
+    pp_Nm = float(np.ptp(clean)) if is_read else OF_THE_ENSEMBLE
+    truths = {
+        "torque_mean": what.torque_Nm,
+        "torque_ripple_pp": pp_Nm,
+        "torque_ripple_rms": rms_Nm,
+        "torque_ripple_percentile_range": percentile_range(clean) if is_read else OF_THE_ENSEMBLE,
+        "torque_ripple_percent_of_rated": 100.0 * pp_Nm / TORQUE_NM,
+        "torque_ripple_rms_percent_of_rated": 100.0 * rms_Nm / TORQUE_NM,
+    }
+    if what.torque_Nm:
+        truths |= {
+            "torque_ripple_percent_of_mean": 100.0 * pp_Nm / abs(what.torque_Nm),
+            "torque_ripple_rms_percent_of_mean": 100.0 * rms_Nm / abs(what.torque_Nm),
+        }
+    return truths
+
+
+def true_orders(what: Disturbance) -> Mapping[str, float]:
+    """Return the amplitude of every order of the torque, in Nm, by all names that a number of it may have."""
+    orders = dict.fromkeys(range(1, _HIGHEST_ORDER + 1), 0.0)
+    orders[COGGING_ORDER] = COGGING_NM
+    orders |= dict(enumerate(what.turns_Nm, 1))
+    for k in range(1, _HIGHEST_ORDER // RIPPLE_ORDER + 1):
+        crest_Nm = 2.0 * what.peaked * math.exp(-CREST) * float(special.iv(k, CREST))
+        orders[k * RIPPLE_ORDER] += crest_Nm + (RIPPLE_NM if k == 1 else 0.0)
+    height_Nm, jitter = what.sawtooth
+    for k in range(1, _HIGHEST_ORDER // TOOTH_ORDER + 1):
+        orders[k * TOOTH_ORDER] += OF_THE_ENSEMBLE if height_Nm and jitter else height_Nm / (math.pi * k)
+    named = {f"torque_order_{order}": size_Nm for order, size_Nm in orders.items()}
+    named |= {f"torque_order_{k}p": orders[k * POLE_PAIRS] for k in (1, 2, 6, 12)}
+    return named | {"torque_order_largest_amplitude": float(np.nanmax(list(orders.values())))}
+
+
+def _groups_of_two(what: Disturbance, made: Record) -> float:
+    """Return THDG of an amplitude that alternates, by its line spectrum: orders k and k +- 1/2, 3/2 ...
+
+    A group of order h holds order h, and half of the squares of h - 1/2 and h + 1/2.
+    """
+    points = 1 << 14
+    theta = made.begin_rad + 4 * np.pi * np.arange(points) / points
+    wave = np.cos(theta)
+    for order, amplitude in what.harmonics.items():
+        wave += amplitude * np.cos(order * theta + made.phases_rad[order])
+    wave *= np.where(np.arange(points) < points // 2, 1.0 + what.alternates, 1.0 - what.alternates)
+    square = 2.0 * np.abs(np.fft.rfft(wave)[:104] / points) ** 2
+    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / RATE_HZ  # of the ten bins of a group
+    groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2]) + noise2
+    return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
+
+
+def _groups_of_steps(what: Disturbance, made: Record) -> float:
+    """Return THDG, on average, of an amplitude that is another in each period, by the covariance of a window.
+
+    How far the sidebands of the fundamental are in the group of order 2 depends on its phase where the
+    amplitude steps, which is the same in all of a record.
+    """
+    periods, points, last = 10, 512, 50
+    rms, memory = what.amplitude_noise
+    theta = made.begin_rad + 2 * np.pi * np.arange(points) / points
+    wave = np.cos(theta)
+    for order, amplitude in what.harmonics.items():
+        wave += amplitude * np.cos(order * theta + made.phases_rad[order])
+    bins = np.arange(periods * last + periods // 2 + 1)
+    turned = np.exp(-2j * np.pi * np.outer(bins / periods, np.arange(points) / points))
+    lags = np.arange(1 - periods, periods)
+    shares = (periods - np.abs(lags)) * (float(memory) ** np.abs(lags))
+    steps = rms**2 * np.real(np.exp(-2j * np.pi * np.outer(bins / periods, lags)) @ shares)
+    square = np.abs(turned @ wave) ** 2 * (np.where(bins % periods, 0.0, periods**2) + steps)
+    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / (periods * RATE_HZ)
+    square = 2.0 * square / (periods * points) ** 2 + noise2
+    at = periods * np.arange(1, last + 1)
+    groups = sum(square[at + k] for k in range(-4, 5)) + 0.5 * (square[at - 5] + square[at + 5])
+    return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
+
+
+def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
+    """Return the root of the mean density in the bins between the harmonics, over that of white noise of
+    equal rms."""
+    bins = np.arange(len(spectrum.amplitude))
+    place = bins % spectrum.periods
+    guard = 2 if spectrum.periods >= 4 else 1
+    omega = 2 * np.pi * bins[(place >= guard) & (place <= spectrum.periods - guard)] / spectrum.samples
+    density = (1.0 - pole**2) / np.abs(1.0 - pole * np.exp(-1j * omega)) ** 2
+    return math.sqrt(float(np.mean(density)))
