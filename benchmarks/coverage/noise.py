@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -139,14 +140,29 @@ def fractional(random: np.random.Generator, count: int) -> Floats:
     return np.asarray(noise * (math.gamma(1.0 - d) / math.sqrt(math.gamma(1.0 - 2.0 * d))))
 
 
+@dataclass(frozen=True)
+class Converter:
+    """A converter of equal steps, one of whose levels is at the offset."""
+
+    step: float
+    offset: float
+
+    @classmethod
+    def drawn(cls, step: float, random: np.random.Generator, tolerance: float = OF_RANGE) -> Converter:
+        """Return one of this step, within a tolerance, whose levels are anywhere.
+
+        What its steps do to one waveform depends on the waveform's size in steps.
+        """
+        step *= random.uniform(1.0 - tolerance, 1.0 + tolerance)
+        return cls(step, step * random.uniform(-0.5, 0.5))
+
+    def read(self, values: Floats) -> Floats:
+        """Return the values as it gives them."""
+        return np.asarray(np.round((values - self.offset) / self.step) * self.step + self.offset)
+
+
 def converted(
     values: Floats, step: float, random: np.random.Generator, tolerance: float = OF_RANGE
 ) -> Floats:
-    """Return the values as a converter gives them, whose offset puts its levels anywhere.
-
-    What its steps do to one waveform depends on the waveform's size in steps: its range is within a
-    tolerance.
-    """
-    step *= random.uniform(1.0 - tolerance, 1.0 + tolerance)
-    offset = step * random.uniform(-0.5, 0.5)
-    return np.asarray(np.round((values - offset) / step) * step + offset)
+    """Return the values as any converter of this step gives them (`Converter.drawn`)."""
+    return Converter.drawn(step, random, tolerance).read(values)

@@ -26,7 +26,7 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[Compared]:
     steady = analyze_steady_state(
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=RATED_A_RMS
     )
-    truths = true_numbers(what, made, steady.spectrum)
+    truths = true_numbers(what, made, steady.spectrum, random)
     yield from selected(steady.measurements, truths)
     for table in steady.tables:
         if table.name == "current_harmonics":
@@ -44,4 +44,4 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[Compared]:
             orders = order_analysis(made.block, "torque", pole_pairs=POLE_PAIRS)
         except AnalysisError:
             return
-        yield from selected(orders.measurements, true_orders(what))
+        yield from selected(orders.measurements, true_orders(what, int(orders.spectrum.order[-1])))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
+from benchmarks.coverage.noise import Converter, Kind, coloured, converted, noise_of
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,9 @@ class Record:
     clean_torque_Nm: Floats
     noise_A: Floats
     phases_rad: Mapping[int, float]  # of the harmonics, when the fundamental is at its maximum
-    begin_rad: float
+    theta_e: Floats
+    clean_current_A: Floats  # without noise, before it was read
+    converter: Converter | None  # of the current
 
 
 def record(what: Disturbance, random: np.random.Generator) -> Record:
@@ -140,8 +142,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
     if what.spikes:
         current[random.integers(0, count, 10)] += what.spikes
-    current = what.amplitude_A * current + noise_A
-    current = np.clip(current, -what.clip * AMPLITUDE_A, what.clip * AMPLITUDE_A)
+    clean_current_A = what.amplitude_A * current
+    current = np.clip(clean_current_A + noise_A, -what.clip * AMPLITUDE_A, what.clip * AMPLITUDE_A)
 
     theta_true = theta_e / POLE_PAIRS
     # between the levels of a converter the extremes are anywhere; without it the ensemble's are the truth
@@ -156,12 +158,11 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     if what.peaked:
         torque += what.peaked * (np.exp(CREST * np.cos(RIPPLE_ORDER * theta_true) - CREST) - _MEAN_OF_CRESTS)
     torque += _sawtooth(what.sawtooth, TEETH * theta_e / (2 * np.pi), random)
-    clean_torque = torque
+    clean_torque, converter = torque, None
     if what.bits:
-        step_A, step_Nm = 2.0 * AMPLITUDE_A / 2**what.bits * 1.02, 2.0 * TORQUE_NM / 2**what.bits
-        current, torque = (
-            converted(each, step, random) for each, step in ((current, step_A), (torque, step_Nm))
-        )
+        converter = Converter.drawn(2.0 * AMPLITUDE_A / 2**what.bits * 1.02, random)
+        current = converter.read(current)
+        torque = converted(torque, 2.0 * TORQUE_NM / 2**what.bits, random)
 
     if what.frozen:
         begin = int(random.integers(count // 4, count // 2))
@@ -180,7 +181,7 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     block = Block.from_arrays(RATE_HZ, {name: units[name] for name in columns}, **columns)
     if what.reverses and not what.angle:
         frequency_Hz = what.frequency_Hz  # a cosine alone does not tell its direction
-    return Record(block, frequency_Hz, clean_torque, noise_A, phases_rad, begin_rad)
+    return Record(block, frequency_Hz, clean_torque, noise_A, phases_rad, theta_e, clean_current_A, converter)
 
 
 def is_clean(what: Disturbance) -> bool:

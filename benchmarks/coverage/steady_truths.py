@@ -9,7 +9,7 @@ import numpy as np
 from scipy import special
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE
-from benchmarks.coverage.noise import UNCORRELATED
+from benchmarks.coverage.noise import UNCORRELATED, Converter
 from benchmarks.coverage.steady_records import (
     COGGING_NM,
     COGGING_ORDER,
@@ -29,9 +29,12 @@ from benchtool.analysis import CoherentSpectrum, percentile_range
 
 _NO_POWER = 1e-5
 _HIGHEST_ORDER = 200
+_READINGS = 4
 
 
-def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
+def true_numbers(
+    what: Disturbance, made: Record, spectrum: CoherentSpectrum | None, random: np.random.Generator
+) -> Mapping[str, float]:
     """Return the truth of the current's and the torque's numbers, of one record and its spectrum's bins."""
     thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
     fundamental_A = what.amplitude_A * 0.5 * (1.0 + what.second_regime)
@@ -55,7 +58,7 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
     if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
         truths["current_max_low_harmonic"] = fundamental_A * max(what.harmonics.values(), default=0.0)
     if spectrum is not None:
-        floor_A = _noise_floor_A(what, spectrum)
+        floor_A = _noise_floor_A(what, made, spectrum, random)
         bin_Hz = RATE_HZ / spectrum.samples
         truths |= {
             "current_noise_floor": floor_A,
@@ -64,7 +67,9 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
     return truths | _ripple(what, made)
 
 
-def _noise_floor_A(what: Disturbance, spectrum: CoherentSpectrum) -> float:
+def _noise_floor_A(
+    what: Disturbance, made: Record, spectrum: CoherentSpectrum, random: np.random.Generator
+) -> float:
     """Return the root of the mean square of a bin between the harmonics."""
     of_other_power = (
         what.amplitude_noise[0],
@@ -73,14 +78,37 @@ def _noise_floor_A(what: Disturbance, spectrum: CoherentSpectrum) -> float:
         what.spikes,
         what.time_jitter,
         what.chirp[0],
-        what.bits,
         what.kind not in UNCORRELATED,
         math.isfinite(what.clip),
     )
     if any(of_other_power):
         return OF_THE_ENSEMBLE
     rms_A = what.noise * (what.amplitude_A or 1.0)
+    if made.converter is not None:
+        rms_A = _between_harmonics_A(made, made.converter, rms_A, random)
     return 2.0 * rms_A * _share_between(what.colour, spectrum) / math.sqrt(spectrum.samples)
+
+
+def _between_harmonics_A(
+    made: Record, converter: Converter, noise_A: float, random: np.random.Generator
+) -> float:
+    """Return the rms, per degree of freedom, of what noise and steps add besides harmonics: by least squares
+    at the true phase, over records of other noise and the same converter."""
+    periods = abs(made.theta_e[-1] - made.theta_e[0]) / (2 * np.pi)
+    orders = np.arange(1, int(0.45 * len(made.theta_e) / periods))
+    count, power = len(made.theta_e), 0.0
+    turn = np.exp(-1j * made.theta_e)
+    for _ in range(_READINGS):
+        noisy_A = made.clean_current_A + noise_A * random.standard_normal(count)
+        error_A = converter.read(noisy_A) - made.clean_current_A
+        error_A -= np.mean(error_A)
+        turned = error_A.astype(np.complex128)
+        of_harmonics = 0.0
+        for _ in orders:
+            turned *= turn
+            of_harmonics += float(2.0 * abs(np.mean(turned)) ** 2)
+        power += float(np.mean(error_A**2) - of_harmonics) / (1.0 - (2.0 * len(orders) + 1.0) / count)
+    return math.sqrt(power / _READINGS)
 
 
 def _ripple(what: Disturbance, made: Record) -> dict[str, float]:
@@ -112,8 +140,12 @@ def _ripple(what: Disturbance, made: Record) -> dict[str, float]:
     return truths
 
 
-def true_orders(what: Disturbance) -> Mapping[str, float]:
-    """Return the amplitude of every order of the torque, in Nm, by all names that a number of it may have."""
+def true_orders(what: Disturbance, highest: int) -> Mapping[str, float]:
+    """Return the amplitude of every order of the torque, in Nm, by all names that a number of it may have.
+
+    Of the orders without a name of their own only those that are there: of those that noise alone brings to
+    the list, one in a hundred records, the truth says nothing.
+    """
     orders = dict.fromkeys(range(1, _HIGHEST_ORDER + 1), 0.0)
     orders[COGGING_ORDER] = COGGING_NM
     orders |= dict(enumerate(what.turns_Nm, 1))
@@ -123,9 +155,10 @@ def true_orders(what: Disturbance) -> Mapping[str, float]:
     height_Nm, jitter = what.sawtooth
     for k in range(1, _HIGHEST_ORDER // TOOTH_ORDER + 1):
         orders[k * TOOTH_ORDER] += OF_THE_ENSEMBLE if height_Nm and jitter else height_Nm / (math.pi * k)
-    named = {f"torque_order_{order}": size_Nm for order, size_Nm in orders.items()}
+    named = {f"torque_order_{order}": size_Nm for order, size_Nm in orders.items() if size_Nm}
     named |= {f"torque_order_{k}p": orders[k * POLE_PAIRS] for k in (1, 2, 6, 12)}
-    return named | {"torque_order_largest_amplitude": float(np.nanmax(list(orders.values())))}
+    largest_Nm = np.nanmax([size_Nm for order, size_Nm in orders.items() if order <= highest])
+    return named | {"torque_order_largest_amplitude": float(largest_Nm)}
 
 
 def _groups_of_two(what: Disturbance, made: Record) -> float:
@@ -134,7 +167,7 @@ def _groups_of_two(what: Disturbance, made: Record) -> float:
     A group of order h holds order h, and half of the squares of h - 1/2 and h + 1/2.
     """
     points = 1 << 14
-    theta = made.begin_rad + 4 * np.pi * np.arange(points) / points
+    theta = made.theta_e[0] + 4 * np.pi * np.arange(points) / points
     wave = np.cos(theta)
     for order, amplitude in what.harmonics.items():
         wave += amplitude * np.cos(order * theta + made.phases_rad[order])
@@ -153,7 +186,7 @@ def _groups_of_steps(what: Disturbance, made: Record) -> float:
     """
     periods, points, last = 10, 512, 50
     rms, memory = what.amplitude_noise
-    theta = made.begin_rad + 2 * np.pi * np.arange(points) / points
+    theta = made.theta_e[0] + 2 * np.pi * np.arange(points) / points
     wave = np.cos(theta)
     for order, amplitude in what.harmonics.items():
         wave += amplitude * np.cos(order * theta + made.phases_rad[order])

@@ -44,16 +44,23 @@ class NoiseFloor:
     stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
     interharmonic that was not taken out leaks through the rectangular window into all bins around it, and
     with that counts as noise.
-    `relative_error` is the relative standard uncertainty of the floor by the scatter of its bins, of `dof`
-    degrees of freedom, and `by_time` what it has besides because its level changes, `over_time`.
+    `of_bins` is the relative standard uncertainty of the floor by the scatter of its bins, of `dof` degrees
+    of freedom, `of_rest` that by what may be left of a phase that was followed, and `by_time` what it has
+    besides because its level changes, `over_time`.
     """
 
     amplitude: float
     bin_Hz: float
     bins: int
-    relative_error: float
+    of_bins: float
     dof: float
+    of_rest: float = 0.0
     over_time: NoiseOverTime = ONE_LEVEL
+
+    @property
+    def relative_error(self) -> float:
+        """Relative standard uncertainty of the floor as one of a level that does not change."""
+        return math.hypot(self.of_bins, self.of_rest)
 
     @property
     def by_time(self) -> MeanError:
@@ -123,9 +130,9 @@ def noise_floor(
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
     of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
-    of_root = math.hypot(relative_to_found(relative), of_leakage, of_rest)
+    of_bins = math.hypot(relative_to_found(relative), of_leakage)
     over_time = noise_over_time(spectrum.phasor, _quiet(spectrum, bins, bands, powers))
-    return NoiseFloor(amplitude, bin_Hz, len(bins), of_root, dof, over_time)
+    return NoiseFloor(amplitude, bin_Hz, len(bins), of_bins, dof, of_rest, over_time)
 
 
 def _quiet(
@@ -194,7 +201,9 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
 
     What is left of a phase that was followed, or does not close, spreads as sidebands in quadrature. Where
     these are clearly more than those in phase, twice the latter stand for both. Beyond, nearer to other
-    harmonics, they fall off as the square of the distance: the second number is their sum there.
+    harmonics, they fall off as the square of the distance: the second number is their sum there. Where a
+    phase was followed by the fundamental itself, the noise in quadrature to it went along, and twice that in
+    phase stands for both too.
     """
     square, bins, periods = np.square(spectrum.amplitude), spectrum.phasor, spectrum.periods
     orders = np.arange(1, len(bins) // periods)
@@ -208,6 +217,9 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
         above = bins[line + 1 : line + 1 + reach] * towards
         below = np.conj(bins[line - reach : line][::-1] * towards)
         in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
+        if order == 1 and (followed := _followed(in_phase, quadrature)):
+            square[line + 1 : line + 1 + followed] = 0.5 * in_phase[:followed]
+            square[line - followed : line] = 0.5 * in_phase[:followed][::-1]
         if reach < 2 or float(np.sum(quadrature)) <= _CLEARLY * float(np.sum(in_phase)):
             continue
         square[line + 1 : line + 1 + reach] = 0.5 * in_phase
@@ -216,6 +228,21 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
         # of c / d^2, whose mean from half to all of the reach is 2 c / reach^2: c / reach on one side beyond
         leaked += max(0.0, 0.5 * excess * reach) * (1 if order == 1 else 2)
     return square, leaked
+
+
+def _followed(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]) -> int:
+    """Return how many bins to either side of the fundamental have clearly less in quadrature than in phase:
+    up to the first few of which half is there."""
+    count = len(in_phase) // _FEWEST_BINS
+    ends = np.arange(count) * _FEWEST_BINS
+    if not count:
+        return 0
+    kept = np.add.reduceat(quadrature[: count * _FEWEST_BINS], ends)
+    whole = np.add.reduceat(in_phase[: count * _FEWEST_BINS], ends)
+    if _CLEARLY * kept[0] >= whole[0]:
+        return 0
+    recovers = np.flatnonzero(2.0 * kept >= whole)
+    return _FEWEST_BINS * int(recovers[0] if len(recovers) else count)
 
 
 def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.spectra.noise import NoiseFloor, relative_to_found
+from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor, relative_to_found
 from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
@@ -25,6 +25,23 @@ _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that 
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
+@dataclass(frozen=True)
+class _Differences:
+    """Mean square of a bin by the second differences of successive periods, its relative variance, and how
+    many of them were left out of how many; `from_first` is that of the bins from order 1 on."""
+
+    power: float
+    from_first: float
+    variance: float
+    left_out: int
+    of: int
+
+    @property
+    def has_bursts(self) -> bool:
+        """Whether more have more than the others than a step would leave: noise in bursts is no step."""
+        return self.left_out > _OF_A_STEP + self.of // _ONE_IN
+
+
 def without_changes(
     floor: NoiseFloor | None, spectrum: CoherentSpectrum, samples: CoherentSamples, *, has_stepped: bool
 ) -> NoiseFloor | None:
@@ -36,14 +53,44 @@ def without_changes(
     quadrature to it, as of one that slips too little to be followed: where the fundamental has more of the
     one than of the other, the floor is by the second differences of successive periods if these have less.
     Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
-    what bends otherwise shows in the fundamental first. Of an amplitude that `has_stepped` the step was
-    divided out, but for what it leaves in the period that it is in. There is none where too few differences
-    tell it, or more of them have more than a step would leave.
+    what bends otherwise shows in the fundamental first. What is below order 1 these differences do not show:
+    it is taken to be as at the lowest orders. Of an amplitude that `has_stepped` the step was divided out,
+    but for what it leaves in the period that it is in. There is none where too few differences tell it, or
+    more of them have more than a step would leave.
+
+    Where they do not have less, what may be left of a phase that was followed is no more than they allow.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
-    if not (has_stepped or _changes(spectrum, floor.over_time.evenness)):
+    changes = has_stepped or _changes(spectrum, floor.over_time.evenness)
+    if not changes and not floor.of_rest:
         return floor
+    found = _differences(samples)
+    from_first = noise_floor(spectrum, 1.0) or floor
+    if found is None:
+        return None if changes else floor
+    ratio = found.from_first / from_first.amplitude**2 if from_first.amplitude > 0.0 else 0.0
+    is_less = 0.0 < ratio < (1.0 if has_stepped else _LEAST)
+    if found.has_bursts or found.variance > _MOST_VARIANCE:
+        return None if changes and is_less else floor
+    if not is_less:
+        least = max(0.0, ratio * (1.0 - math.sqrt(found.variance)))
+        return replace(floor, of_rest=min(floor.of_rest, max(0.0, 1.0 - math.sqrt(least)) / math.sqrt(3.0)))
+    if not changes:
+        return floor
+    return replace(
+        floor,
+        amplitude=math.sqrt(found.power),
+        of_bins=relative_to_found(math.sqrt(found.variance)),
+        of_rest=0.0,
+        dof=2.0 / found.variance,
+        over_time=ONE_LEVEL,
+    )
+
+
+def _differences(samples: CoherentSamples) -> _Differences | None:
+    """Return what second differences of successive periods tell of the noise from order 1 on; None where they
+    are too few to tell a step from it."""
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
     square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
@@ -58,22 +105,14 @@ def without_changes(
     alike = float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
     of_each = np.mean(square, axis=1)
     usual = float(np.sort(of_each)[len(of_each) // 8])  # a step is in three, and the least of many is low
-    kept = [each for each in of_each if not _is_more(each, usual, alike, _ALIKE)]
-    power = float(np.mean(kept))
-    if not 0.0 < power < (1.0 if has_stepped else _LEAST) * floor.amplitude**2:
-        return floor
-    if len(of_each) - len(kept) > _OF_A_STEP + len(of_each) // _ONE_IN:
-        return None  # noise that comes in bursts is no step
-    variance = _AS_ONE / (len(kept) * alike)
-    if variance > _MOST_VARIANCE:
-        return None
-    return replace(
-        floor,
-        amplitude=math.sqrt(power),
-        relative_error=relative_to_found(math.sqrt(variance)),
-        dof=2.0 / variance,
-        over_time=ONE_LEVEL,
-    )
+    kept = [index for index, each in enumerate(of_each) if not _is_more(each, usual, alike, _ALIKE)]
+    from_first, below = float(np.mean(of_each[kept])), float(np.mean(square[kept, : 1 + _BESIDE]))
+    of_one, of_below = _AS_ONE / len(kept), 1.0 / samples.usable_order
+    power = (1.0 - of_below) * from_first + of_below * below
+    variance = of_one / alike
+    if power > 0.0:
+        variance += (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
+    return _Differences(power, from_first, variance, len(of_each) - len(kept), len(of_each))
 
 
 def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CHANCE) -> bool:
