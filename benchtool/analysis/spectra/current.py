@@ -115,10 +115,11 @@ def current_spectrum(
     if taken is not None:
         lines = replace(basis, window=f"{basis.window}, without {taken.words}")
     floor = without_changes(
-        noise_floor(clean, has_moved=has_moved),
+        noise_floor(clean, has_moved=has_moved, follows_signal=found.track.follows_signal),
         clean,
         found.steady.samples,
         has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
+        follows_signal=found.track.follows_signal,
     )
     groups = harmonic_groups(found.coherent, HIGHEST_HARMONIC)
     beside = None if groups is None else found.beside(clean, groups)
@@ -434,7 +435,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "it, or of differences 35 / 18 over their number; of the root, the rms of errors of a gamma "
             "distribution of that relative deviation; what a harmonic whose phase wanders leaks; where a "
             "phase was followed or the course of an amplitude divided out, what the lower bands have more "
-            "than the upper half; by how much more the power of parts of the record scatters",
+            "than the upper half, as far as differences of periods allow it; by how much more the power of "
+            "parts of the record scatters",
         ),
         Quantity(
             ("current_noise_density",), "A/sqrt(Hz)", "A_n / sqrt(2 bin width), rms per sqrt(Hz)", "likewise"

@@ -89,6 +89,7 @@ def noise_floor(
     last_order: float = math.inf,
     *,
     has_moved: bool = False,
+    follows_signal: bool = False,
 ) -> NoiseFloor | None:
     """Return noise floor from the bins between two orders that are not harmonics; None if fewer than eight.
 
@@ -99,7 +100,8 @@ def noise_floor(
 
     Where a phase was followed or the course of an amplitude was divided out (`has_moved`), something of it
     may be left between the low harmonics, as noise of that colour may: the floor may be as far below as
-    without what the lower bands have more than the upper half of them.
+    without what the lower bands have more than the upper half of them. A phase that `follows_signal` took the
+    noise in quadrature to the fundamental along.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
@@ -108,7 +110,7 @@ def noise_floor(
     bins = _between(spectrum, first_order, last_order)
     if len(bins) < _FEWEST_BINS:
         return None
-    additive, leaked = _additive(spectrum)
+    additive, leaked = _additive(spectrum, follows_signal)
     square = additive[bins]
     bands = _bands(len(bins))
     powers, variances = [], []
@@ -196,7 +198,7 @@ def relative_to_found(relative: float) -> float:
     return math.sqrt(1.0 - 2.0 * of_half + n / (n - 1.0))
 
 
-def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
+def _additive(spectrum: CoherentSpectrum, follows_signal: bool) -> tuple[NDArray[np.float64], float]:
     """Return squares of the amplitudes of all bins, those around harmonics without what moves their phase.
 
     What is left of a phase that was followed, or does not close, spreads as sidebands in quadrature. Where
@@ -217,7 +219,7 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
         above = bins[line + 1 : line + 1 + reach] * towards
         below = np.conj(bins[line - reach : line][::-1] * towards)
         in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
-        if order == 1 and (followed := _followed(in_phase, quadrature)):
+        if follows_signal and order == 1 and (followed := followed_bins(in_phase, quadrature)):
             square[line + 1 : line + 1 + followed] = 0.5 * in_phase[:followed]
             square[line - followed : line] = 0.5 * in_phase[:followed][::-1]
         if reach < 2 or float(np.sum(quadrature)) <= _CLEARLY * float(np.sum(in_phase)):
@@ -230,7 +232,7 @@ def _additive(spectrum: CoherentSpectrum) -> tuple[NDArray[np.float64], float]:
     return square, leaked
 
 
-def _followed(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]) -> int:
+def followed_bins(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]) -> int:
     """Return how many bins to either side of the fundamental have clearly less in quadrature than in phase:
     up to the first few of which half is there."""
     count = len(in_phase) // _FEWEST_BINS

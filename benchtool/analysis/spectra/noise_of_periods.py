@@ -10,7 +10,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor, relative_to_found
+from benchtool.analysis.spectra.noise import NoiseFloor, followed_bins, noise_floor, relative_to_found
 from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
@@ -22,6 +22,7 @@ _ALIKE = 1e-3  # by chance, of the powers of two differences
 _LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
 _FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
 _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
+_FEWEST_TO_SCATTER = 4  # powers
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
@@ -43,7 +44,12 @@ class _Differences:
 
 
 def without_changes(
-    floor: NoiseFloor | None, spectrum: CoherentSpectrum, samples: CoherentSamples, *, has_stepped: bool
+    floor: NoiseFloor | None,
+    spectrum: CoherentSpectrum,
+    samples: CoherentSamples,
+    *,
+    has_stepped: bool,
+    follows_signal: bool = False,
 ) -> NoiseFloor | None:
     """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude or
     phase changes.
@@ -62,7 +68,7 @@ def without_changes(
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
-    changes = has_stepped or _changes(spectrum, floor.over_time.evenness)
+    changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
     if not changes and not floor.of_rest:
         return floor
     found = _differences(samples)
@@ -97,15 +103,17 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     own, beside = square[:, 0], np.mean(square[:, 1 : 1 + _BESIDE], axis=1)
     if _is_more(float(np.mean(own)), float(np.mean(beside)), len(own)):
         square[:, 0] = beside
-    of_orders = np.median(square, axis=0)
-    half = len(of_orders) // 2
+    of_orders, half = np.median(square, axis=0), square.shape[1] // 2
     lower, upper = float(np.mean(of_orders[:half])), float(np.mean(of_orders[half:]))
     if samples.periods < _FEWEST_PERIODS and _is_more(lower, upper, half):
         return None  # a step, the power of whose part of a period falls with the square of the order
-    alike = float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
     of_each = np.mean(square, axis=1)
-    usual = float(np.sort(of_each)[len(of_each) // 8])  # a step is in three, and the least of many is low
+    order = np.argsort(of_each)
+    usual = float(of_each[order[len(order) // 8]])  # a step is in three, and the least of many is low
+    quiet = square[order[: max(1, len(order) // 2)]]
+    alike = _alike(quiet)
     kept = [index for index, each in enumerate(of_each) if not _is_more(each, usual, alike, _ALIKE)]
+    alike = min(_alike(square[kept]), _even(of_each[kept]))
     from_first, below = float(np.mean(of_each[kept])), float(np.mean(square[kept, : 1 + _BESIDE]))
     of_one, of_below = _AS_ONE / len(kept), 1.0 / samples.usable_order
     power = (1.0 - of_below) * from_first + of_below * below
@@ -115,15 +123,33 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     return _Differences(power, from_first, variance, len(of_each) - len(kept), len(of_each))
 
 
+def _alike(square: NDArray[np.float64]) -> float:
+    """Return of how many orders alike the mean would scatter as that of these, of shape (differences,
+    orders), which scatter themselves."""
+    of_orders = np.mean(square, axis=0)
+    scatter = 1.0 + _AS_ONE / len(square)
+    return scatter * float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
+
+
+def _even(powers: NDArray[np.float64]) -> float:
+    """Return how many orders alike would have means that scatter as these do; as many as may be where they
+    are too few to tell."""
+    if len(powers) < _FEWEST_TO_SCATTER:
+        return math.inf
+    variance = float(np.var(powers, ddof=1))
+    return float(np.mean(powers)) ** 2 / variance if variance > 0.0 else math.inf
+
+
 def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CHANCE) -> bool:
     """Return whether a mean of so many exponentially distributed powers is more than another of as many, and
     not by chance."""
     return other > 0.0 and fisher_above(2.0 * count, 2.0 * count, power / other) < by_chance
 
 
-def _changes(spectrum: CoherentSpectrum, evenness: float) -> bool:
+def _changes(spectrum: CoherentSpectrum, evenness: float, follows_signal: bool) -> bool:
     """Return whether sidebands of the fundamental are more in phase with it than in quadrature, or less, and
-    not by chance: noise that is most in a part of the record, `evenness` of it, scatters by more."""
+    not by chance: noise that is most in a part of the record, `evenness` of it, scatters by more. Those that
+    a phase which follows the signal took along tell nothing."""
     periods, bins = spectrum.periods, spectrum.phasor
     reach = min(periods, len(bins) - periods) - 1
     if reach < 2:
@@ -131,9 +157,7 @@ def _changes(spectrum: CoherentSpectrum, evenness: float) -> bool:
     towards = np.exp(-1j * np.angle(bins[periods]))
     above = bins[periods + 1 : periods + 1 + reach] * towards
     below = np.conj(bins[periods - reach : periods][::-1] * towards)
-    in_phase, in_quadrature = _power(above + below), _power(above - below)
-    return _is_more(max(in_phase, in_quadrature), min(in_phase, in_quadrature), evenness * reach)
-
-
-def _power(values: NDArray[np.complex128]) -> float:
-    return float(np.sum(values.real**2 + values.imag**2))
+    in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
+    first = followed_bins(in_phase, quadrature) if follows_signal else 0
+    powers = float(np.sum(in_phase[first:])), float(np.sum(quadrature[first:]))
+    return first < reach and _is_more(max(powers), min(powers), evenness * (reach - first))
