@@ -92,8 +92,9 @@ class Record:
     converter: Converter | None  # of the current
 
 
-def record(what: Disturbance, random: np.random.Generator) -> Record:
-    """Return one random record: phases of everything are random, and so is the noise."""
+def record(what: Disturbance, random: np.random.Generator, like: Record | None = None) -> Record:
+    """Return one random record: phases of everything are random, and so is the noise; of one `like` another
+    the waveform is the same, where it begins, and the converter that reads it."""
     count = round(what.periods / what.frequency_Hz * RATE_HZ)
     time_s = (np.arange(count) + what.time_jitter * random.standard_normal(count)) / RATE_HZ
     duration_s = count / RATE_HZ
@@ -111,7 +112,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     if what.stands_still:
         at, back = (int(share * count) for share in (0.6, 0.6 + what.stands_still))
         cycles = cycles - np.clip(cycles, cycles[at], cycles[back])  # it turns on where it stood
-    begin_rad = random.uniform(0, 2 * np.pi)
+    drawn_rad = random.uniform(0, 2 * np.pi)
+    begin_rad = drawn_rad if like is None else float(like.theta_e[0])
     theta_e = cycles + begin_rad
     frequency_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * (time_s[-1] - time_s[0]))
 
@@ -119,7 +121,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     noise_A = what.noise * what.amplitude_A * noise if what.amplitude_A else what.noise * noise
     theta_i = theta_e + np.where(time_s < 0.4 * duration_s, 0.0, what.phase_step_rad)
     current = np.cos(theta_i)
-    phases_rad = {order: random.uniform(0, 2 * np.pi) for order in what.harmonics}
+    drawn = {order: random.uniform(0, 2 * np.pi) for order in what.harmonics}
+    phases_rad = drawn if like is None else like.phases_rad
     for order, amplitude in what.harmonics.items():
         current += amplitude * np.cos(order * theta_i + phases_rad[order])
     period = np.floor((theta_e - theta_e[0]) / (2 * np.pi)).astype(np.int64)
@@ -160,7 +163,8 @@ def record(what: Disturbance, random: np.random.Generator) -> Record:
     torque += _sawtooth(what.sawtooth, TEETH * theta_e / (2 * np.pi), random)
     clean_torque, converter = torque, None
     if what.bits:
-        converter = Converter.drawn(2.0 * AMPLITUDE_A / 2**what.bits * 1.02, random)
+        of_any = Converter.drawn(2.0 * AMPLITUDE_A / 2**what.bits * 1.02, random)
+        converter = of_any if like is None or like.converter is None else like.converter
         current = converter.read(current)
         torque = converted(torque, 2.0 * TORQUE_NM / 2**what.bits, random)
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import special
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE
-from benchmarks.coverage.noise import UNCORRELATED, Converter
+from benchmarks.coverage.noise import UNCORRELATED
 from benchmarks.coverage.steady_records import (
     COGGING_NM,
     COGGING_ORDER,
@@ -29,12 +29,9 @@ from benchtool.analysis import CoherentSpectrum, percentile_range
 
 _NO_POWER = 1e-5
 _HIGHEST_ORDER = 200
-_READINGS = 4
 
 
-def true_numbers(
-    what: Disturbance, made: Record, spectrum: CoherentSpectrum | None, random: np.random.Generator
-) -> Mapping[str, float]:
+def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
     """Return the truth of the current's and the torque's numbers, of one record and its spectrum's bins."""
     thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
     fundamental_A = what.amplitude_A * 0.5 * (1.0 + what.second_regime)
@@ -58,7 +55,7 @@ def true_numbers(
     if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
         truths["current_max_low_harmonic"] = fundamental_A * max(what.harmonics.values(), default=0.0)
     if spectrum is not None:
-        floor_A = _noise_floor_A(what, made, spectrum, random)
+        floor_A = _noise_floor_A(what, made, spectrum)
         bin_Hz = RATE_HZ / spectrum.samples
         truths |= {
             "current_noise_floor": floor_A,
@@ -67,9 +64,7 @@ def true_numbers(
     return truths | _ripple(what, made)
 
 
-def _noise_floor_A(
-    what: Disturbance, made: Record, spectrum: CoherentSpectrum, random: np.random.Generator
-) -> float:
+def _noise_floor_A(what: Disturbance, made: Record, spectrum: CoherentSpectrum) -> float:
     """Return the root of the mean square of a bin between the harmonics."""
     of_other_power = (
         what.amplitude_noise[0],
@@ -84,31 +79,9 @@ def _noise_floor_A(
     if any(of_other_power):
         return OF_THE_ENSEMBLE
     rms_A = what.noise * (what.amplitude_A or 1.0)
-    if made.converter is not None:
-        rms_A = _between_harmonics_A(made, made.converter, rms_A, random)
+    if made.converter is not None:  # whose errors noise makes white
+        rms_A = math.hypot(rms_A, made.converter.step / math.sqrt(12.0))
     return 2.0 * rms_A * _share_between(what.colour, spectrum) / math.sqrt(spectrum.samples)
-
-
-def _between_harmonics_A(
-    made: Record, converter: Converter, noise_A: float, random: np.random.Generator
-) -> float:
-    """Return the rms, per degree of freedom, of what noise and steps add besides harmonics: by least squares
-    at the true phase, over records of other noise and the same converter."""
-    periods = abs(made.theta_e[-1] - made.theta_e[0]) / (2 * np.pi)
-    orders = np.arange(1, int(0.45 * len(made.theta_e) / periods))
-    count, power = len(made.theta_e), 0.0
-    turn = np.exp(-1j * made.theta_e)
-    for _ in range(_READINGS):
-        noisy_A = made.clean_current_A + noise_A * random.standard_normal(count)
-        error_A = converter.read(noisy_A) - made.clean_current_A
-        error_A -= np.mean(error_A)
-        turned = error_A.astype(np.complex128)
-        of_harmonics = 0.0
-        for _ in orders:
-            turned *= turn
-            of_harmonics += float(2.0 * abs(np.mean(turned)) ** 2)
-        power += float(np.mean(error_A**2) - of_harmonics) / (1.0 - (2.0 * len(orders) + 1.0) / count)
-    return math.sqrt(power / _READINGS)
 
 
 def _ripple(what: Disturbance, made: Record) -> dict[str, float]:

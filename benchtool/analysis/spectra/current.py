@@ -120,6 +120,7 @@ def current_spectrum(
         found.steady.samples,
         has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
         follows_signal=found.track.follows_signal,
+        step=step,
     )
     groups = harmonic_groups(found.coherent, HIGHEST_HARMONIC)
     beside = None if groups is None else found.beside(clean, groups)

@@ -23,6 +23,7 @@ _LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
 _FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
 _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
 _FEWEST_TO_SCATTER = 4  # powers
+_BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
@@ -50,6 +51,7 @@ def without_changes(
     *,
     has_stepped: bool,
     follows_signal: bool = False,
+    step: float = 0.0,
 ) -> NoiseFloor | None:
     """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude or
     phase changes.
@@ -67,6 +69,9 @@ def without_changes(
     Where they do not have less, what may be left of a phase that was followed is no more than they allow.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
+        return floor
+    of_steps = math.sqrt(step**2 / 3.0 / samples.samples)
+    if floor.amplitude < _BESIDE_STEPS * of_steps:
         return floor
     changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
     if not changes and not floor.of_rest:
