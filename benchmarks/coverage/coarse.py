@@ -12,6 +12,7 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_orders, of_ripple
 from benchmarks.coverage.noise import coloured, converted
 from benchtool.analysis import analyze_response, order_analysis, torque_ripple, track_angle
 from benchtool.block import Block
@@ -66,8 +67,10 @@ def _coarse(what: Coarse, random: np.random.Generator) -> Iterator[Compared]:
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read, theta_m=np.mod(theta_m, 2 * np.pi))
     track = track_angle(np.asarray(theta_m), what.pole_pairs)
     found = order_analysis(block, "torque", orders=[what.absent, *(order for order, _ in what.orders)])
-    yield from selected(found.measurements, truths)
-    truths = {"torque_mean": mean, "torque_ripple_rms": math.sqrt(square)}
+    sizes = [(order, truths[f"torque_order_{order}"]) for order, _ in what.orders]
+    named = of_orders(dict(sizes), what.pole_pairs, int(found.spectrum.order[-1]))
+    yield from selected(found.measurements, named | truths)
+    truths = of_ripple(mean, math.sqrt(square))
     pole_pairs = what.pole_pairs if what.are_revolutions_known else 1
     yield from selected(torque_ripple(block, track=track, pole_pairs=pole_pairs), truths)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_orders
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis.orders.angle import angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders
@@ -39,7 +40,7 @@ def _trial(what: FewTurns, random: np.random.Generator) -> Iterator[Compared]:
         torque += amplitude * np.cos(order * angle + order)
     spectrum = fitted_orders(angle_coverage(angle), torque, "torque", "Nm")
     found = describe_orders(spectrum, "torque", orders=sorted(orders)).measurements
-    yield from selected(found, {f"torque_order_{order}": size for order, size in orders.items()})
+    yield from selected(found, of_orders(orders, 1, int(spectrum.order[-1])))
 
 
 FEW_TURNS: Mapping[str, FewTurns] = {

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_ripple
 from benchmarks.coverage.steady_records import POLE_PAIRS, RATE_HZ, TORQUE_NM
 from benchtool.analysis import ripple_numbers, track_angle
 from benchtool.block import Block, Channel
@@ -70,13 +71,9 @@ def limit_cycle_trial(what: _LimitCycle, random: np.random.Generator) -> Iterato
     torque_Nm, theta_m = _record(what, random)
     block = Block((Channel("torque", "Nm"),), 0, 1, 1.0 / RATE_HZ, torque_Nm[:, np.newaxis])
     track = track_angle(theta_m, POLE_PAIRS)
-    truths = {
-        # the integral holds it, and a converter moves it by its levels
-        "torque_mean": OF_THE_ENSEMBLE if what.step_A else TORQUE_NM,
-        "torque_ripple_pp": OF_THE_ENSEMBLE,
-        "torque_ripple_rms": OF_THE_ENSEMBLE,
-        "torque_ripple_percentile_range": OF_THE_ENSEMBLE,
-    }
+    # the integral holds it, and a converter moves it by its levels
+    mean_Nm = OF_THE_ENSEMBLE if what.step_A else TORQUE_NM
+    truths = of_ripple(mean_Nm, OF_THE_ENSEMBLE, OF_THE_ENSEMBLE, OF_THE_ENSEMBLE)
     yield from selected(ripple_numbers(block, "torque", "torque", track=track, pole_pairs=POLE_PAIRS), truths)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_harmonics, of_white_noise
 from benchmarks.coverage.noise import converted
 from benchtool.analysis import (
     Measurement,
@@ -77,15 +78,17 @@ def _beside(what: Beside, random: np.random.Generator) -> Iterator[Compared]:
         share = _log_uniform(random, *what.share) if what.share[1] else 0.0
         beside = 2 * np.pi * (order * periods + off) * time + random.uniform(0, 2 * np.pi)
         current = current + share * amplitudes[order] * np.cos(beside)
-    noise = _log_uniform(random, *what.noise) * random.standard_normal(count)
-    read_A = size_A * (current + noise)
+    noise_rms = _log_uniform(random, *what.noise)
+    read_A = size_A * (current + noise_rms * random.standard_normal(count))
     track = track_angle(theta / POLE_PAIRS, POLE_PAIRS) if what.angle else track_tone(read_A)
     found = current_spectrum(Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=read_A), "i_a", track)
     truths = {
         "fundamental_frequency": float(theta[-1] - theta[0]) / (2 * np.pi) * RATE_HZ / (count - 1),
-        "current_fundamental": size_A,
-        "current_thd_f": 100.0 * math.sqrt(sum(a**2 for k, a in amplitudes.items() if k > 1)),
+        **of_harmonics({k: size_A * a for k, a in amplitudes.items()}),
+        **of_white_noise(size_A * noise_rms, RATE_HZ, found.measurements),
     }
+    if what.lines and what.share[1]:  # which are taken out or not, and the largest beside a harmonic or not
+        del truths["current_max_low_harmonic"]
     yield from selected(found.measurements, truths)
     for table in found.tables:
         if table.name == "current_harmonics":

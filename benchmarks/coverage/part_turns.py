@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import Compared, families_of, selected
-from benchmarks.coverage.noise import Kind, noise_of
+from benchmarks.coverage.named_truths import of_groups, of_harmonics, of_white_noise
+from benchmarks.coverage.noise import UNCORRELATED, Kind, noise_of
 from benchtool.analysis import current_spectrum, track_angle
 from benchtool.block import Block
 
@@ -49,13 +50,20 @@ def _trial(what: PartOfTurn, random: np.random.Generator) -> Iterator[Compared]:
     theta_e = 2 * np.pi * f_Hz * count / RATE_HZ * course + random.uniform(0, 2 * np.pi)
     theta_m = theta_e / pole_pairs + random.uniform(0, 2 * np.pi)
     current = np.cos(theta_e)
+    amplitudes = {1: 1.0} | {order: random.uniform(2e-3, 0.03) for order in _HARMONICS}
     for order in _HARMONICS:
-        current += random.uniform(2e-3, 0.03) * np.cos(order * theta_e + random.uniform(0, 2 * np.pi))
-    current += 10.0 ** random.uniform(-4.0, -2.0) * noise_of(what.kind, random, count)
+        current += amplitudes[order] * np.cos(order * theta_e + random.uniform(0, 2 * np.pi))
+    noise_rms = 10.0 ** random.uniform(-4.0, -2.0)
+    current += noise_rms * noise_of(what.kind, random, count)
     block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
     found = current_spectrum(block, "i_a", track_angle(_read(what, theta_m, random), pole_pairs))
     true_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi) * RATE_HZ / (count - 1)
-    yield from selected(found.measurements, {"fundamental_frequency": true_Hz, "current_fundamental": 1.0})
+    truths = {"fundamental_frequency": true_Hz} | of_harmonics(amplitudes)
+    if what.kind in UNCORRELATED:
+        truths |= of_white_noise(noise_rms, RATE_HZ, found.measurements) | of_groups(
+            amplitudes, noise_rms, RATE_HZ / f_Hz
+        )
+    yield from selected(found.measurements, truths)
 
 
 def _read(what: PartOfTurn, theta_m: Floats, random: np.random.Generator) -> Floats:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.coverage.channels import RADIUS_WB
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_orders, of_ripple
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis import (
     flux_trajectory,
@@ -70,16 +71,14 @@ def _torque(what: Shaft, random: np.random.Generator) -> Iterator[Compared]:
     if not what.red:
         square = sum(amplitude**2 for _, amplitude in (*parts, *what.lines))
         square = 0.5 * square + what.noise_Nm**2 + what.drift_Nm**2 / 12.0
-        truths |= {
-            "torque_mean": TORQUE_NM,
-            "torque_ripple_rms": math.sqrt(square),
-            "torque_ripple_pp": OF_THE_ENSEMBLE,
-            "torque_ripple_percentile_range": OF_THE_ENSEMBLE,
-        }
+        truths |= of_ripple(TORQUE_NM, math.sqrt(square), OF_THE_ENSEMBLE, OF_THE_ENSEMBLE)
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=torque, theta_m=_read(what, theta_m, random))
     track = track_angle(theta_m, what.pole_pairs)
     yield from selected(torque_ripple(block, track=track, pole_pairs=what.pole_pairs), truths)
-    yield from selected(order_analysis(block, "torque", orders=[highest]).measurements, truths)
+    found = order_analysis(block, "torque", orders=[highest])
+    whole = {int(order): size for order, size in parts if order == int(order)}
+    truths |= of_orders(whole, what.pole_pairs, int(found.spectrum.order[-1]))
+    yield from selected(found.measurements, truths)
 
 
 def _read(what: Shaft, theta_m: Floats, random: np.random.Generator) -> Floats:

@@ -3,7 +3,6 @@ digits of a text or steps of a converter."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_groups, of_harmonics
 from benchmarks.coverage.noise import converted
 from benchtool.analysis import (
     analyze_steady_state,
@@ -48,14 +48,12 @@ def _same_places(what: SamePlaces, random: np.random.Generator) -> Iterator[Comp
         currents[name] = _read(what, size_A * wave, random)
     block = Block.from_arrays(RATE_HZ, dict.fromkeys(currents, "A"), **currents)
     own_A = size_A * float(np.abs(1.0 + np.conj(negative)))
-    thd = 100.0 * math.sqrt(2.0) * 0.02 * size_A / own_A
+    amplitudes = {1: own_A, 5: 0.02 * size_A, 7: 0.02 * size_A}
     steady = analyze_steady_state(block, pole_pairs=1, torque_rated_Nm=1.0)
     truths = {
         "fundamental_frequency": RATE_HZ * what.periods / what.rows,
-        "current_fundamental": own_A,
-        "current_max_low_harmonic": 0.02 * size_A,
-        **dict.fromkeys(("current_thd_f", "current_thd_f_noise_corrected"), thd),
-        "current_thd_r": 100.0 / math.sqrt(1.0 + (100.0 / thd) ** 2),
+        **of_harmonics(amplitudes),
+        **of_groups(amplitudes, 0.0, what.rows / what.periods),
     }
     yield from selected(steady.measurements, truths)
     truths = {

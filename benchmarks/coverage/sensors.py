@@ -12,6 +12,14 @@ from numpy.typing import NDArray
 
 from benchmarks.coverage import channels
 from benchmarks.coverage.families import Compared, Family, families_of, selected
+from benchmarks.coverage.named_truths import (
+    HIGHEST_ORDER,
+    of_groups,
+    of_harmonics,
+    of_orders,
+    of_ripple,
+    of_white_noise,
+)
 from benchtool.analysis import Measurement, Uncertainty, percentile_range
 from benchtool.block import Block
 from benchtool.profile import Bench, Sensor
@@ -27,7 +35,6 @@ RATE_HZ, POLE_PAIRS = 20_000.0, 2
 MOTOR = channels.MOTOR.model_copy(update={"pole_pairs": POLE_PAIRS})
 _HARMONICS: Mapping[int, float] = {2: 0.01, 5: 0.02, 7: 0.02, 11: 0.02, 13: 0.01}
 _ORDERS_NM: Mapping[int, float] = {1: 0.02, 12: 0.05, 24: 0.02}
-_LOW_ORDER = 10  # below which the largest harmonic is looked for
 _LOSS_OUTWEIGHS_NOISE = 2.0
 _MOST_FASTER, _KNOWN_WITHIN_PERCENT = 3.0, 10.0
 
@@ -109,19 +116,27 @@ def _sensed(what: Sensed, random: np.random.Generator) -> Iterator[Compared]:
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
     # noise makes a peak-to-peak value larger, of this record by so much
     by_noise = _read_pp(found.measurements) - float(np.ptp(torque_read)) if found.measurements else 0.0
-    thd = 100.0 * math.sqrt(sum(a * a for k, a in amplitudes.items() if k > 1)) / amplitudes[1]
+    harmonics = of_harmonics(amplitudes)
+    rms_Nm = math.sqrt(0.5 * sum(a * a for a in orders.values()) + what.noise**2)
+    is_told = what.ratio <= _LOSS_OUTWEIGHS_NOISE
     truths = {
-        "current_fundamental": amplitudes[1],
-        "current_thd_f": thd,
-        "current_thd_f_subgroups": thd,
-        "current_thd_f_groups": thd,
-        "current_max_low_harmonic": max(a for k, a in amplitudes.items() if 1 < k < _LOW_ORDER),
-        "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + what.noise**2),
-        "torque_ripple_percentile_range": percentile_range(torque + noise_Nm),
-        **{f"torque_order_{k // POLE_PAIRS}p": orders[k] for k in (12, 24)},
+        "fundamental_frequency": f_Hz,
+        **harmonics,
+        "current_tdd": harmonics["current_thd_f"] * amplitudes[1] / (math.sqrt(2.0) * MOTOR.I_N_A_rms),
+        "current_thd_f_subgroups": harmonics["current_thd_f"],
+        "current_thd_f_groups": harmonics["current_thd_f"],
+        **of_ripple(
+            1.0,
+            rms_Nm,
+            float(np.ptp(torque)) + by_noise if is_told else None,
+            percentile_range(torque + noise_Nm),
+            MOTOR.T_N_Nm,
+        ),
+        **of_orders(orders, POLE_PAIRS, HIGHEST_ORDER),
+        **of_white_noise(what.noise * amplitudes[1], RATE_HZ, found.measurements),
+        "torque_line_frequency": max(orders, key=lambda k: orders[k]) * f_Hz / POLE_PAIRS,
+        "torque_line_amplitude": max(orders.values()),
     }
-    if what.ratio <= _LOSS_OUTWEIGHS_NOISE:
-        truths["torque_ripple_pp"] = float(np.ptp(torque)) + by_noise
     yield from selected(found.measurements, truths)
     for table in found.tables:
         lines = {"current_harmonics": amplitudes, "torque_orders": orders}.get(table.name, {})
@@ -151,9 +166,10 @@ def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[Compare
     stated_Hz = what.ratio * f_Hz
     theta = 2 * np.pi * (f_Hz / RATE_HZ * np.arange(count) + random.uniform())
     third, angles = 2 * np.pi / 3, np.exp(2j * np.pi * random.random(2))
-    currents = {}
+    currents, own = {}, 1.0
     for name, turn in (("i_a", 0.0), ("i_b", third), ("i_c", -third)):
         phasor = np.exp(-1j * turn) + what.negative * angles[0] * np.exp(1j * turn) + what.zero * angles[1]
+        own = abs(phasor) if name == "i_a" else own
         read = phasor * complex(_gain(f_Hz, *own_response(what.actual, stated_Hz, random)))
         noise = what.noise * random.standard_normal(count)
         currents[name] = size_A * (np.real(read * np.exp(1j * theta)) + noise)
@@ -161,6 +177,11 @@ def _phases(what: SensedPhases, random: np.random.Generator) -> Iterator[Compare
     bench = Bench(channels=dict.fromkeys(currents, stated_sensor(what.actual, stated_Hz)))
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
     truths = {
+        "fundamental_frequency": f_Hz,
+        **of_harmonics({1: size_A * own}),
+        "current_tdd": 0.0,
+        **of_white_noise(size_A * what.noise, RATE_HZ, found.measurements),
+        **of_groups({1: size_A * own}, size_A * what.noise, RATE_HZ / f_Hz),
         "current_sequence_positive": size_A,
         "current_sequence_negative": size_A * what.negative,
         "current_sequence_zero": size_A * what.zero,
@@ -193,11 +214,8 @@ def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[Compared]
     block = Block.from_arrays(RATE_HZ, {"torque": "Nm"}, torque=read, theta_m=np.mod(theta_m, 2 * np.pi))
     bench = Bench(channels={"torque": Sensor.model_validate({"resolution_Nm": step_Nm})})
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
-    truths = {
-        "torque_mean": mean_Nm,
-        "torque_ripple_rms": math.sqrt(0.5 * sum(a * a for a in orders.values()) + noise_Nm**2),
-        "torque_order_6p": orders[12],
-    }
+    rms_Nm = math.sqrt(0.5 * sum(a * a for a in orders.values()) + noise_Nm**2)
+    truths = of_ripple(mean_Nm, rms_Nm, rated=MOTOR.T_N_Nm) | of_orders(orders, POLE_PAIRS, HIGHEST_ORDER)
     yield from selected(found.measurements, truths)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.named_truths import HIGHEST_ORDER, of_harmonics, of_orders, of_ripple
 from benchtool.analysis import Measurement
 from benchtool.block import Channel
 from benchtool.tables import TableQuestion
@@ -67,20 +68,24 @@ def trial(what: Table, random: np.random.Generator) -> Iterator[Compared]:
     )
     channels = {name: Channel(f"{name} read", _UNITS[name]) for name in columns}
     record = Record(data, time_base(data[:, 0], data[:, 1:]), channels, question).unbroken
-    fundamental = _AMPLITUDE_A * (1.0 + _NEGATIVE)
+    harmonics = {1: _AMPLITUDE_A * (1.0 + _NEGATIVE), 5: _AMPLITUDE_A * _FIFTH}
+    of_current = {order * _POLE_PAIRS: size for order, size in harmonics.items()}
+    mean_Hz = float(theta_e[-1] - theta_e[0]) / (2 * np.pi * time_s[-1])
     truths = {
-        "fundamental_frequency": float(theta_e[-1] - theta_e[0]) / (2 * np.pi * time_s[-1]),
-        "current_fundamental": fundamental,
-        "current_thd_f": 100.0 * _FIFTH / (1.0 + _NEGATIVE),
+        "fundamental_frequency": mean_Hz,
+        **of_harmonics(harmonics),
+        **of_orders(of_current, _POLE_PAIRS, HIGHEST_ORDER, "current"),
         "current_sequence_positive": _AMPLITUDE_A,
+        "current_sequence_negative": _AMPLITUDE_A * _NEGATIVE,
+        "current_sequence_zero": 0.0,
         "current_unbalance_percent": 100.0 * _NEGATIVE,
+        "current_unbalance_zero_percent": 0.0,
         "current_noise_floor": OF_THE_ENSEMBLE,
-        "current_order_p": fundamental,
-        "torque_mean": 2.0,
-        "torque_ripple_rms": OF_THE_ENSEMBLE,
+        "current_noise_density": OF_THE_ENSEMBLE,
+        **of_ripple(2.0, OF_THE_ENSEMBLE, OF_THE_ENSEMBLE, OF_THE_ENSEMBLE),
+        "torque_line_frequency": 6.0 * mean_Hz,
         "torque_line_amplitude": 0.1,
-        "torque_order_6p": 0.1,
-        "torque_order_1": 0.05,
+        **of_orders({1: 0.05, 6 * _POLE_PAIRS: 0.1}, _POLE_PAIRS, HIGHEST_ORDER),
     }
     yield from selected((each for each in results(record) if isinstance(each, Measurement)), truths)
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.coverage.families import Compared, families_of, selected
-from benchmarks.coverage.noise import Kind, converted, noise_of
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_harmonics, of_orders, of_white_noise
+from benchmarks.coverage.noise import UNCORRELATED, Kind, converted, noise_of
 from benchtool.analysis import Measurement, Uncertainty, current_spectrum, order_analysis, track_tone
 from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
@@ -94,21 +95,24 @@ def trial(what: Stamps, random: np.random.Generator) -> Iterator[Compared]:
     )
     block = replace(whole, gaps=tuple(Gap(each.row, each.missing_rows) for each in missing))
     order = 6 * POLE_PAIRS
-    found = order_analysis(block, "torque", pole_pairs=POLE_PAIRS).measurements
-    yield from selected(found, {f"torque_order_{order}": 0.1})
+    found = order_analysis(block, "torque", pole_pairs=POLE_PAIRS)
+    named = of_orders({order: 0.1}, POLE_PAIRS, int(found.spectrum.order[-1]))
+    yield from selected(found.measurements, named)
     if missing:
         return
     track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
-    numbers = current_spectrum(block, "i_a", track, rate_relative=base.rate_relative).measurements
+    spectrum = current_spectrum(block, "i_a", track, rate_relative=base.rate_relative)
     truths = {
         "fundamental_frequency": frequency_Hz,
-        "current_fundamental": AMPLITUDE_A,
-        "current_thd_f": 3.0,
-        "current_noise_floor": AMPLITUDE_A * what.noise * 2.0 / math.sqrt(rows),
+        **of_harmonics({1: AMPLITUDE_A, 5: 0.03 * AMPLITUDE_A}),
+        "current_thd_f_groups": OF_THE_ENSEMBLE,
+        "current_thd_f_subgroups": OF_THE_ENSEMBLE,
+        "current_noise_floor": OF_THE_ENSEMBLE,
+        "current_noise_density": OF_THE_ENSEMBLE,
     }
-    if what.line[1] or what.bits or what.kind != "white" or what.drift or what.swing[0]:
-        del truths["current_noise_floor"]
-    yield from selected(numbers, truths)
+    if not what.bits and what.kind in UNCORRELATED:
+        truths |= of_white_noise(AMPLITUDE_A * what.noise, rate_Hz, spectrum.measurements)
+    yield from selected(spectrum.measurements, truths)
 
 
 _EVEN = Stamps()

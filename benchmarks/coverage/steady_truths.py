@@ -9,6 +9,7 @@ import numpy as np
 from scipy import special
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE
+from benchmarks.coverage.named_truths import HIGHEST_ORDER, of_orders, of_ripple
 from benchmarks.coverage.noise import UNCORRELATED
 from benchmarks.coverage.steady_records import (
     COGGING_NM,
@@ -28,7 +29,6 @@ from benchmarks.coverage.steady_records import (
 from benchtool.analysis import CoherentSpectrum, percentile_range
 
 _NO_POWER = 1e-5
-_HIGHEST_ORDER = 200
 
 
 def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
@@ -97,41 +97,22 @@ def _ripple(what: Disturbance, made: Record) -> dict[str, float]:
         rms_Nm = OF_THE_ENSEMBLE  # crests are ripple too, and a walk has no rms
     clean, is_read = made.clean_torque_Nm, is_clean(what)
     pp_Nm = float(np.ptp(clean)) if is_read else OF_THE_ENSEMBLE
-    truths = {
-        "torque_mean": what.torque_Nm,
-        "torque_ripple_pp": pp_Nm,
-        "torque_ripple_rms": rms_Nm,
-        "torque_ripple_percentile_range": percentile_range(clean) if is_read else OF_THE_ENSEMBLE,
-        "torque_ripple_percent_of_rated": 100.0 * pp_Nm / TORQUE_NM,
-        "torque_ripple_rms_percent_of_rated": 100.0 * rms_Nm / TORQUE_NM,
-    }
-    if what.torque_Nm:
-        truths |= {
-            "torque_ripple_percent_of_mean": 100.0 * pp_Nm / abs(what.torque_Nm),
-            "torque_ripple_rms_percent_of_mean": 100.0 * rms_Nm / abs(what.torque_Nm),
-        }
-    return truths
+    percentile_Nm = percentile_range(clean) if is_read else OF_THE_ENSEMBLE
+    return of_ripple(what.torque_Nm, rms_Nm, pp_Nm, percentile_Nm, TORQUE_NM)
 
 
 def true_orders(what: Disturbance, highest: int) -> Mapping[str, float]:
-    """Return the amplitude of every order of the torque, in Nm, by all names that a number of it may have.
-
-    Of the orders without a name of their own only those that are there: of those that noise alone brings to
-    the list, one in a hundred records, the truth says nothing.
-    """
-    orders = dict.fromkeys(range(1, _HIGHEST_ORDER + 1), 0.0)
+    """Return the amplitude of every order of the torque, in Nm, by all names that a number of it may have."""
+    orders = dict.fromkeys(range(1, HIGHEST_ORDER + 1), 0.0)
     orders[COGGING_ORDER] = COGGING_NM
     orders |= dict(enumerate(what.turns_Nm, 1))
-    for k in range(1, _HIGHEST_ORDER // RIPPLE_ORDER + 1):
+    for k in range(1, HIGHEST_ORDER // RIPPLE_ORDER + 1):
         crest_Nm = 2.0 * what.peaked * math.exp(-CREST) * float(special.iv(k, CREST))
         orders[k * RIPPLE_ORDER] += crest_Nm + (RIPPLE_NM if k == 1 else 0.0)
     height_Nm, jitter = what.sawtooth
-    for k in range(1, _HIGHEST_ORDER // TOOTH_ORDER + 1):
+    for k in range(1, HIGHEST_ORDER // TOOTH_ORDER + 1):
         orders[k * TOOTH_ORDER] += OF_THE_ENSEMBLE if height_Nm and jitter else height_Nm / (math.pi * k)
-    named = {f"torque_order_{order}": size_Nm for order, size_Nm in orders.items() if size_Nm}
-    named |= {f"torque_order_{k}p": orders[k * POLE_PAIRS] for k in (1, 2, 6, 12)}
-    largest_Nm = np.nanmax([size_Nm for order, size_Nm in orders.items() if order <= highest])
-    return named | {"torque_order_largest_amplitude": float(largest_Nm)}
+    return of_orders({order: size for order, size in orders.items() if size}, POLE_PAIRS, highest)
 
 
 def _groups_of_two(what: Disturbance, made: Record) -> float:
