@@ -103,20 +103,20 @@ def _alternating(
     """Return in which rows the second of two loads is on, which both last as long on average."""
     rows = lasting_s * RATE_HZ
     if not at_random:
-        return (np.arange(count) / rows + random.uniform(0.0, 2.0)) % 2.0 >= 1.0
+        return np.asarray((np.arange(count) / rows + random.uniform(0.0, 2.0)) % 2.0 >= 1.0)
     # without a memory the first one lasts on as if it began with the record
     changes = np.cumsum(random.exponential(rows, int(4 * count / rows) + 60))
-    return (np.searchsorted(changes, np.arange(count)) + random.integers(2)) % 2 == 1
+    return np.asarray((np.searchsorted(changes, np.arange(count)) + random.integers(2)) % 2 == 1)
 
 
 def _turning(what: Turning, random: np.random.Generator) -> Iterator[Compared]:
     count = round(what.duration_s * RATE_HZ)
     time = np.arange(count) / count
     angle = 2 * np.pi * what.frequency_Hz * what.duration_s * (time + 0.5 * what.drift * (time**2 - time))
-    size, loads = np.full(count, what.size), (what.size,)
+    size, loads = np.full(count, what.size), [what.size]
     if what.alternates_Hz:
         second = _alternating(0.5 / what.alternates_Hz, what.at_random, count, random)
-        size, loads = np.where(second, what.other, what.size), (what.size, what.other)
+        size, loads = np.where(second, what.other, what.size), [what.size, what.other]
     rms, memory_s = what.wander
     if rms:
         size *= 1.0 + rms * coloured(random.standard_normal(count), math.exp(-1.0 / (memory_s * RATE_HZ)))

@@ -107,7 +107,7 @@ def _motion(what: Shaft, random: np.random.Generator) -> tuple[Floats, Floats, F
     rippling = np.zeros(count)
     for order, size, phase in waves:
         rippling += size * np.cos(order * found + phase)
-    return halves[:-1:2], found, mean[:-1:2], rippling
+    return np.asarray(halves[:-1:2]), found, np.asarray(mean[:-1:2]), rippling
 
 
 def _read(what: Shaft, theta: Floats, random: np.random.Generator) -> Floats:
@@ -164,8 +164,8 @@ def _current(what: Current, random: np.random.Generator) -> Iterator[Compared]:
     for order, amplitude in LINES:
         current += amplitude * np.cos(order * theta + random.uniform(0, 2 * np.pi))
     current *= size
-    order, amplitude = what.line
-    current += amplitude * np.cos(order * what.shaft.speed_rad_s * time_s + random.uniform(0, 2 * np.pi))
+    place, amplitude = what.line
+    current += amplitude * np.cos(place * what.shaft.speed_rad_s * time_s + random.uniform(0, 2 * np.pi))
     current += what.noise * coloured(noise_of(what.kind, random, count), what.colour)
     if what.step:
         current = converted(current, what.step, random)

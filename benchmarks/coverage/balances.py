@@ -1,0 +1,106 @@
+"""Families of the balances of flux and of torque: excited machines whose parameters are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.coverage.channels import MOTOR
+from benchmarks.coverage.excited import (
+    Excitation,
+    Machine,
+    Record,
+    Sensors,
+    error_of_prediction,
+    machine,
+    record,
+)
+from benchmarks.coverage.families import Compared, families_of, selected
+from benchtool.analysis import Window
+from benchtool.analysis.balances import (
+    FLUX_BALANCE,
+    MOTION_BALANCE,
+    FluxBalanceSettings,
+    MotionBalanceSettings,
+)
+
+_SENSORS, _EXCITATION = Sensors(), Excitation()
+
+
+@dataclass(frozen=True)
+class Balance:
+    """How a machine of random parameters is excited, read and captured, and what disturbs it.
+
+    `cogging`, an order and its size in Nm, is stated to the analysis; a `load_Nm` and what the resistance
+    rises by are not.
+    """
+
+    sensors: Sensors = _SENSORS
+    excitation: Excitation = _EXCITATION
+    rows: int = 4000
+    has_dead_time: bool = True
+    cogging: tuple[int, float] = (0, 0.0)
+    load_Nm: float = 0.0
+    warming: float = 0.0
+
+
+def _trial(what: Balance, random: np.random.Generator) -> Iterator[Compared]:
+    true = replace(
+        machine(random, what.has_dead_time),
+        cogging=what.cogging,
+        load_Nm=what.load_Nm,
+        warming=what.warming,
+    )
+    found = record(true, what.sensors, what.excitation, what.rows, random)
+    window = Window.of(found.block, MOTOR)
+    truths = true.truths | _errors(what, found)
+    yield from selected(FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements, truths)
+    if what.excitation.speeds_rad_s:
+        return
+    settings = MotionBalanceSettings(cogging_orders=(what.cogging[0],) if what.cogging[0] else ())
+    yield from selected(MOTION_BALANCE.measure(window, settings).measurements, truths)
+
+
+def _errors(what: Balance, found: Record) -> dict[str, float]:
+    """Return the rms errors of the currents predicted a tick ahead: noise of a vector of three phases at both
+    ends, and what the believed parameters add."""
+    read = what.sensors
+    phase2 = read.noise_A**2 * (1.0 - read.colour) + read.step_A**2 / 12.0
+    noise_A = math.sqrt(8.0 / 3.0 * phase2)
+    by_belief_A = error_of_prediction(Machine.believed(), found)
+    return {
+        "flux_balance_error_rms": noise_A,
+        "flux_balance_belief_error_rms": math.hypot(noise_A, by_belief_A),
+    }
+
+
+_BALANCE = Balance()
+BALANCES: Mapping[str, Balance] = {
+    "excited": _BALANCE,
+    "excited_no_dead_time": replace(_BALANCE, has_dead_time=False),
+    "excited_loud": replace(_BALANCE, sensors=replace(_SENSORS, noise_A=0.05)),
+    "excited_coloured": replace(_BALANCE, sensors=replace(_SENSORS, noise_A=0.03, colour=0.9)),
+    "excited_pink": replace(_BALANCE, sensors=replace(_SENSORS, noise_A=0.02, kind="pink")),
+    "excited_heavy": replace(_BALANCE, sensors=replace(_SENSORS, noise_A=0.02, kind="heavy")),
+    "excited_no_steps": replace(_BALANCE, sensors=replace(_SENSORS, step_A=0.0, counts=0)),
+    "excited_coarse_steps": replace(_BALANCE, sensors=replace(_SENSORS, step_A=0.08)),
+    "excited_coarse_counts": replace(_BALANCE, sensors=replace(_SENSORS, counts=2048)),
+    "excited_eccentric": replace(_BALANCE, sensors=replace(_SENSORS, eccentricity_rad=5e-4)),
+    "excited_noisy_link": replace(_BALANCE, sensors=replace(_SENSORS, noise_V=0.5)),
+    "excited_steps_of_link": replace(_BALANCE, sensors=replace(_SENSORS, step_V=0.6, noise_V=0.2)),
+    "excited_short": replace(_BALANCE, rows=1800),
+    "excited_long": replace(_BALANCE, rows=9000),
+    "excited_held": replace(_BALANCE, excitation=Excitation(speeds_rad_s=(40.0,)), has_dead_time=False),
+    "excited_held_two_speeds": replace(_BALANCE, excitation=Excitation(speeds_rad_s=(60.0, -25.0))),
+    "excited_one_direction": replace(_BALANCE, excitation=Excitation(i_q_mean_A=0.3)),
+    "excited_fast_swing": replace(_BALANCE, excitation=Excitation(i_q=(3.0, 11.0))),
+    "excited_slow_swing": replace(_BALANCE, excitation=Excitation(i_q=(0.8, 2.5)), rows=8000),
+    "excited_cogging": replace(_BALANCE, cogging=(24, 0.1)),
+    "excited_load": replace(_BALANCE, load_Nm=0.15),
+    "excited_warming": replace(_BALANCE, warming=0.1),
+}
+
+FAMILIES = families_of(_trial, BALANCES)
