@@ -154,7 +154,7 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
             f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "
             f"delay_ticks, and raise a current that hardly overcomes the dead time"
         )
-    error_A = _rms(errors, p, left_out)
+    error_A = _rms(ticks, errors, p, left_out)
     if solution.told("psi_r") and p.psi_r < _LEAST_FLUX * belief.psi_r:
         raise AnalysisError(
             f"no rotor flux turns with pole pairs times theta_m: the balance finds {p.psi_r:.3g} Wb, "
@@ -164,7 +164,7 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     noisy, _, _ = _iterate(ticks.with_noise(_PHASE_OF_ERROR * error_A), p, spans, weighting)
     moved = np.abs(noisy.values - solution.values)
     bias = np.maximum(0.0, moved - _BY_CHANCE * np.sqrt(np.diag(noisy.covariance)))
-    of_belief = _rms(ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
+    of_belief = _rms(ticks, ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
     found = replace(solution, bias=bias)
     unexplained_V = share * math.sqrt(float(np.mean(np.abs(ticks.u_s) ** 2)))
     return FluxBalance(ticks, belief, _with_phase_c(found), left_out, (error_A, of_belief), unexplained_V)
@@ -255,10 +255,10 @@ def _unexplained(ticks: Ticks, p: Electrical, errors_Vs: Complex, left_out: NDAr
     return left / whole if whole > 0.0 else 1.0
 
 
-def _rms(errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> float:
+def _rms(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> float:
     """Return the rms error of the current at the end of a tick, predicted from its measured beginning."""
-    L = math.sqrt(p.L_d * p.L_q)
-    return math.sqrt(float(np.mean(np.abs(errors_Vs[~left_out]) ** 2))) / L
+    turned = (errors_Vs * np.conj(ticks.direction(p)[1:]))[~left_out]
+    return math.sqrt(float(np.mean((turned.real / p.L_d) ** 2 + (turned.imag / p.L_q) ** 2)))
 
 
 def _spans(ticks: Ticks, belief: Electrical) -> Floats:
