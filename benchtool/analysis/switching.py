@@ -131,7 +131,7 @@ def vector_shares(
     shares = np.zeros((len(phases), _VECTORS))
     shares[rows, _ONE_LEG_HIGH[order[:, 2]]] = (greatest - middle) / scale
     shares[rows, _ONE_LEG_LOW[order[:, 0]]] = (middle - least) / scale
-    shares[:, 0] = np.maximum(0.0, 1.0 - np.sum(shares, axis=1))
+    shares[:, 0] = np.maximum(0.0, 1.0 - (greatest - least))  # nothing at all beyond the hexagon
     return shares
 
 

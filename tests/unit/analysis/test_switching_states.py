@@ -70,6 +70,13 @@ def test_the_table_counts_time_and_periods() -> None:
     assert found == pytest.approx({"zero_vector_share": 50.0, "active_vectors_mean": 2.0 / 3})
 
 
+def test_no_time_is_left_for_zero_vectors_beyond_the_hexagon() -> None:
+    """Not even what rounding would leave, whose scatter were the uncertainty of nothing."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 500)
+    beyond = vector_shares(250.0 * np.cos(angle), 250.0 * np.sin(angle), np.full(500, 300.0))
+    assert np.all(beyond[:, 0] == 0.0)
+
+
 def test_refusals() -> None:
     with pytest.raises(AnalysisError, match="'u_dc' is 0 V in places"):
         switching_states(_block((1.0, 0.0, 300.0), (1.0, 0.0, 0.0)))
