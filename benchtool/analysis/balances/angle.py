@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.quantisation.resolution import counting_step
@@ -42,12 +43,15 @@ def _smooth(angle: Floats, step: float) -> Floats:
     """Return the smooth curve through the samples of an encoder of this step."""
     from scipy.linalg import solveh_banded
 
+    rows = np.arange(len(angle))
+    # third differences leave a parabola alone, whose size would be that of the rounding
+    even = Polynomial.fit(rows, angle, _ORDER - 1)(rows)
     differences = _squared_differences(len(angle))
     curves = [angle] * (_LESS + 1)
     for smoothing in _SMOOTHINGS:
         bands = smoothing * differences
         bands[-1] += 1.0
-        curve = angle[0] + solveh_banded(bands, angle - angle[0])
+        curve = even + solveh_banded(bands, angle - even)
         if float(np.mean(np.abs(curve - angle) > _BEYOND * step)) > _SHARE_BEYOND:
             break
         curves.append(curve)
