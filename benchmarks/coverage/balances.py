@@ -10,6 +10,8 @@ import numpy as np
 
 from benchmarks.coverage.channels import MOTOR
 from benchmarks.coverage.excited import (
+    T_S,
+    U_DC,
     Excitation,
     Machine,
     Record,
@@ -18,7 +20,8 @@ from benchmarks.coverage.excited import (
     machine,
     record,
 )
-from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.noise import UNCORRELATED
 from benchtool.analysis import Window
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
@@ -28,6 +31,7 @@ from benchtool.analysis.balances import (
 )
 
 _SENSORS, _EXCITATION = Sensors(), Excitation()
+_COARSE = 4.0  # of noise: such steps read neighbours alike
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ def _trial(what: Balance, random: np.random.Generator) -> Iterator[Compared]:
     )
     found = record(true, what.sensors, what.excitation, what.rows, random)
     window = Window.of(found.block, MOTOR)
-    truths = true.truths | _errors(what, found)
+    truths = true.truths | _errors(what, true, found)
     yield from selected(FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements, truths)
     if what.excitation.speeds_rad_s:
         return
@@ -64,15 +68,25 @@ def _trial(what: Balance, random: np.random.Generator) -> Iterator[Compared]:
     yield from selected(MOTION_BALANCE.measure(window, settings).measurements, truths)
 
 
-def _errors(what: Balance, found: Record) -> dict[str, float]:
+def _errors(what: Balance, true: Machine, found: Record) -> dict[str, float]:
     """Return the rms errors of the currents predicted a tick ahead: noise of a vector of three phases at both
     ends, and what the believed parameters add."""
     read = what.sensors
     phase2 = read.noise_A**2 * (1.0 - read.colour) + read.step_A**2 / 12.0
-    noise_A = math.sqrt(8.0 / 3.0 * phase2)
-    by_belief_A = error_of_prediction(Machine.believed(), found)
+    noise2 = 8.0 / 3.0 * phase2
+    if read.kind not in UNCORRELATED or read.step_A > read.noise_A * _COARSE:
+        noise2 = float(np.mean(np.abs(np.diff(found.noise)) ** 2))
+    # what the dc link is read as scales the voltage
+    link_V = read.noise_V / U_DC * math.sqrt(float(np.mean(np.abs(found.u_s) ** 2)))
+    noise2 += 0.5 * (T_S * link_V) ** 2 * (true.L_d**-2 + true.L_q**-2)
+    noise_A = math.sqrt(noise2)
+    # beside a crossing of zero the sign of the current is not told, by steps and by what dead time makes
+    least_A = 2.0 * read.step_A + 2.0 * true.dead_time_V * T_S / (0.5 * (true.L_d + true.L_q))
+    by_belief_A = error_of_prediction(Machine.believed(), found, least_A)
+    # the angle between the counts of a shaft that turns back errs as well, in one record more than in another
+    turns_back = read.counts and not what.excitation.speeds_rad_s
     return {
-        "flux_balance_error_rms": noise_A,
+        "flux_balance_error_rms": OF_THE_ENSEMBLE if turns_back else noise_A,
         "flux_balance_belief_error_rms": math.hypot(noise_A, by_belief_A),
     }
 

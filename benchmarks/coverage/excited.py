@@ -127,12 +127,19 @@ def machine(random: np.random.Generator, dead_time: bool = True) -> Machine:
 
 @dataclass(frozen=True)
 class Record:
-    """What a drive captures, and what is true at its rows, all of shape (n,): the current in the stator's
-    frame and the angle as sensors without noise and steps read them, the voltage asked of the tick behind a
-    row, and the speed in the middle of that."""
+    """What a drive captures, and what is true at its rows, all of shape (n,).
+
+    Attributes:
+        block: the capture.
+        i_s, theta: current in the stator's frame and angle, as sensors without noise and steps read them.
+        noise: what these add to the current.
+        u_s: voltage asked of the tick behind a row.
+        omega: speed in the middle of that.
+    """
 
     block: Block
     i_s: Complex
+    noise: Complex
     u_s: Complex
     theta: Floats
     omega: Floats
@@ -201,7 +208,8 @@ def record(
     as_read = np.zeros(rows, dtype=np.complex128)
     for gain, axis in zip(what.gains, _AXES, strict=True):
         as_read += 2.0 / 3.0 * gain * axis * np.real(true[:, 0] * axis.conjugate())
-    return Record(block, as_read, true[:, 1], true[:, 2].real, true[:, 3].real)
+    read_A = sum(2.0 / 3.0 * axis * found[:, k] for k, axis in enumerate(_AXES))
+    return Record(block, as_read, read_A - as_read, true[:, 1], true[:, 2].real, true[:, 3].real)
 
 
 def _speed_of_load(speeds_rad_s: tuple[float, ...], rows: int) -> list[float]:
@@ -214,17 +222,22 @@ def _speed_of_load(speeds_rad_s: tuple[float, ...], rows: int) -> list[float]:
     return found.tolist()
 
 
-def error_of_prediction(what: Machine, found: Record) -> float:
-    """Return the rms error of the current that a machine is believed to have a tick ahead, A: its length."""
+def error_of_prediction(what: Machine, found: Record, least_A: float) -> float:
+    """Return the rms error of the current that a machine is believed to have a tick ahead, A: its length.
+
+    Ticks are left out in which a phase has less than `least_A`.
+    """
     p, error2 = MOTOR.pole_pairs, 0.0
-    for k in range(len(found.theta) - 1):
+    near = np.min([np.abs(np.real(found.i_s * axis.conjugate())) for axis in _AXES], axis=0) < least_A
+    used = np.flatnonzero(~(near[1:] | near[:-1]))
+    for k in used:
         omega, angle = p * found.omega[k], p * found.theta[k]
         rotor = complex(math.cos(angle), math.sin(angle))
         i_dq, u_dq = found.i_s[k] * rotor.conjugate(), found.u_s[k] * rotor.conjugate()
         then = complex(*_advanced(what, what.R_s, omega, i_dq.real, i_dq.imag, u_dq, T_S))
         turned = rotor * complex(math.cos(omega * T_S), math.sin(omega * T_S))
         error2 += abs(found.i_s[k + 1] - then * turned) ** 2
-    return math.sqrt(error2 / (len(found.theta) - 1))
+    return math.sqrt(error2 / len(used))
 
 
 def _speed_after(what: Machine, torque_Nm: float, theta: float, omega: float) -> float:

@@ -64,7 +64,9 @@ class FluxBalance:
         belief: the parameters that were believed.
         solution: of the unknowns of `Electrical`, and of the gain of phase c.
         left_out: the periods of which the balance is not used, shape (n,).
-        error_A: rms error of the current predicted a tick ahead with the estimate, and with the belief.
+        squares_A2: of the length of the error of the current predicted a tick ahead with the estimate, in the
+            periods that are used, shape (periods,).
+        belief_error_A: rms of that error with the belief.
         unexplained_V: rms of the voltage that no parameters explain, over stretches of 50 periods.
     """
 
@@ -72,8 +74,14 @@ class FluxBalance:
     belief: Electrical
     solution: Solution
     left_out: NDArray[np.bool_]
-    error_A: tuple[float, float]
+    squares_A2: Floats
+    belief_error_A: float
     unexplained_V: float
+
+    @property
+    def error_A(self) -> tuple[float, float]:
+        """The rms error of the current predicted a tick ahead with the estimate, and with the belief."""
+        return math.sqrt(float(np.mean(self.squares_A2))), self.belief_error_A
 
     @property
     def current_A(self) -> float:
@@ -154,20 +162,24 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
             f"kind: check the order of the phases, the direction of the encoder, the pole pairs and "
             f"delay_ticks, and raise a current that hardly overcomes the dead time"
         )
-    error_A = _rms(ticks, errors, p, left_out)
+    squares_A2 = _squares(ticks, errors, p, left_out)
     if solution.told("psi_r") and p.psi_r < _LEAST_FLUX * belief.psi_r:
         raise AnalysisError(
             f"no rotor flux turns with pole pairs times theta_m: the balance finds {p.psi_r:.3g} Wb, "
             f"{belief.psi_r:.3g} Wb is believed: check the pole pairs, the encoder's lines and direction"
         )
     # as much noise again moves the estimate by as much as the noise that is there
-    noisy, _, _ = _iterate(ticks.with_noise(_PHASE_OF_ERROR * error_A), p, spans, weighting)
+    noise_A = _PHASE_OF_ERROR * math.sqrt(float(np.mean(squares_A2)))
+    noisy, _, _ = _iterate(ticks.with_noise(noise_A), p, spans, weighting)
     moved = np.abs(noisy.values - solution.values)
     bias = np.maximum(0.0, moved - _BY_CHANCE * np.sqrt(np.diag(noisy.covariance)))
-    of_belief = _rms(ticks, ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
+    of_belief_A2 = _squares(ticks, ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
+    belief_error_A = math.sqrt(float(np.mean(of_belief_A2)))
     found = replace(solution, bias=bias)
     unexplained_V = share * math.sqrt(float(np.mean(np.abs(ticks.u_s) ** 2)))
-    return FluxBalance(ticks, belief, _with_phase_c(found), left_out, (error_A, of_belief), unexplained_V)
+    return FluxBalance(
+        ticks, belief, _with_phase_c(found), left_out, squares_A2, belief_error_A, unexplained_V
+    )
 
 
 def _iterate(
@@ -255,10 +267,11 @@ def _unexplained(ticks: Ticks, p: Electrical, errors_Vs: Complex, left_out: NDAr
     return left / whole if whole > 0.0 else 1.0
 
 
-def _rms(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> float:
-    """Return the rms error of the current at the end of a tick, predicted from its measured beginning."""
+def _squares(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> Floats:
+    """Return the squared error of the current at the end of each tick that is used, predicted from its
+    measured beginning."""
     turned = (errors_Vs * np.conj(ticks.direction(p)[1:]))[~left_out]
-    return math.sqrt(float(np.mean((turned.real / p.L_d) ** 2 + (turned.imag / p.L_q) ** 2)))
+    return np.asarray((turned.real / p.L_d) ** 2 + (turned.imag / p.L_q) ** 2)
 
 
 def _spans(ticks: Ticks, belief: Electrical) -> Floats:

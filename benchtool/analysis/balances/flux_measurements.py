@@ -16,7 +16,8 @@ from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantit
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
-from benchtool.analysis.uncertainty import Contribution, Uncertainty
+from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record, error_of_root
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -106,12 +107,26 @@ def _measurements(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
             found.solution.uncertainty(name, further),
             sensitivities=Sensitivities.of_gains(value, _SHARES.get(name, ())),
         )
-    what = "rms error of the current predicted a tick ahead"
-    names = ("flux_balance_error_rms", "flux_balance_belief_error_rms")
-    for name, value, with_ in zip(names, found.error_A, ("estimated", "believed"), strict=True):
-        uncertain = Uncertainty(value / math.sqrt(2.0 * (basis.samples or 1.0)), "number of periods")
-        text = f"{what}, with the {with_} parameters"
-        yield Measurement(name, value, "A", text, basis, uncertain, sensitivities=NO_SENSORS)
+    yield from _errors(found, basis)
+
+
+def _errors(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
+    """Yield the rms errors of predicted currents: those that are left scatter as noise does, and those of
+    wrong parameters follow what this capture plays."""
+    left, of_belief = found.error_A
+    scatter = error_of_root(found.squares_A2, left, error_of_record(found.squares_A2))
+    by_scatter = combined([scatter.line(_OF_SQUARES)], _OF_SQUARES)
+    by_number = Uncertainty(of_belief / math.sqrt(2.0 * (basis.samples or 1.0)), "number of periods")
+    rows = (
+        ("flux_balance_error_rms", left, "estimated", by_scatter),
+        ("flux_balance_belief_error_rms", of_belief, "believed", by_number),
+    )
+    for name, value, with_, uncertain in rows:
+        text = f"rms error of the current predicted a tick ahead, with the {with_} parameters"
+        why = TOO_SLOW if uncertain is None else ""
+        yield Measurement(
+            name, value, "A", text, basis, uncertain, uncertainty_reason=why, sensitivities=NO_SENSORS
+        )
 
 
 def _correlations(found: FluxBalance, basis: Basis) -> Table:
@@ -145,6 +160,7 @@ _DEFINITIONS: Final = {
     **{f"current_gain_{phase}": _GAIN.format(phase) for phase in "abc"},
 }
 
+_OF_SQUARES: Final = "scatter of the squared errors over parts of the capture, with their correlation"
 _BY_SCATTER = "scatter of the errors of the balance over blocks, with their correlation; resolution of `u_dc`"
 
 FLUX_BALANCE: Final = Analysis(
@@ -157,9 +173,15 @@ FLUX_BALANCE: Final = Analysis(
             for name in ESTIMATED
         ),
         Quantity(
-            ("flux_balance_error_rms", "flux_balance_belief_error_rms"),
+            ("flux_balance_error_rms",),
             "A",
-            "rms error of the current predicted a tick ahead, with the estimated and the believed parameters",
+            "rms error of the current predicted a tick ahead, with the estimated parameters",
+            "scatter of its squares over 64 parts of the periods that are used, with their correlation",
+        ),
+        Quantity(
+            ("flux_balance_belief_error_rms",),
+            "A",
+            "rms error of the current predicted a tick ahead, with the believed parameters",
             "`1 / sqrt(2 n)` of it",
         ),
     ),

@@ -19,6 +19,8 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.balances.space_vectors import Floats
+from benchtool.analysis.distributions import students_deviation
+from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 PRIOR_SPANS: Final = 3.0
@@ -28,6 +30,7 @@ _TOLD: Final = 0.25  # of a span: the largest standard uncertainty of an unknown
 _INSEPARABLE: Final = 0.9  # correlation
 _BLOCKS: Final = 200
 _SHORTEST: Final = 100  # rows of a block
+_FEWEST_INDEPENDENT: Final = 4.0  # blocks that errors count as, however long they last
 
 _REMEDIES: Final[Mapping[frozenset[str], str]] = {
     frozenset({"L_q", "encoder_offset"}): "a second torque",
@@ -180,7 +183,8 @@ def solve(
         start: the unknowns at which both were computed, shape (n,).
         belief: where the prior lies, shape (n,).
         spans: of the unknowns, shape (n,).
-        block_rows: least rows of a block, beyond which errors are taken as independent.
+        block_rows: least rows of a block, beyond which the covariance of errors is that of neighbouring
+            blocks.
         most_blocks: the blocks are longer rather than more.
     """
     count = len(names)
@@ -200,8 +204,26 @@ def solve(
     dof = max(1.0, float(len(blocks) - count))
     moves = blocks @ inverse  # of the unknowns, by each block alone: their product has no negative variances
     robust = moves.T @ moves * (len(blocks) / dof)
-    scale = np.sqrt(np.maximum(1.0, np.diag(inverse) / np.maximum(np.diag(robust), 1e-300)))
+    variances = np.maximum(np.diag(robust), 1e-300)
+    scale = np.sqrt(np.maximum(_alike(moves), np.diag(inverse) / variances))
     covariance = robust * np.outer(scale, scale)
     units = np.outer(unit, unit)
     values = start + unit * step
     return Solution(tuple(names), values, covariance * units, spans, dof, inverse * units, np.zeros(count))
+
+
+def _alike(moves: Floats) -> Floats:
+    """Return by how much the variance of sums over blocks, shape (blocks, n), exceeds that of independent
+    ones: errors of the encoder's disc last for longer than a block."""
+    count = len(moves)
+    found = np.ones(moves.shape[1])
+    for place, column in enumerate(moves.T):
+        error = error_of_series(column)
+        if not math.isfinite(error.standard):
+            found[place] = count / _FEWEST_INDEPENDENT
+            continue
+        independent = float(np.std(column)) / math.sqrt(max(1, count - 1))
+        if independent > 0.0:
+            experimental = error.standard / students_deviation(error.dof)
+            found[place] = max(1.0, (experimental / independent) ** 2)
+    return found

@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy import signal
 from scipy.stats import multivariate_normal
 
 from benchtool.analysis import Window
@@ -18,6 +19,7 @@ from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE, FluxBala
 from benchtool.analysis.balances.flux_model import Electrical, Ticks, current_of
 from benchtool.analysis.balances.motion_balance import motion_balance
 from benchtool.analysis.balances.space_vectors import phase_values
+from benchtool.analysis.balances.unknowns import solve
 from benchtool.analysis.balances.whitening import Whitening
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -220,3 +222,29 @@ def test_the_error_of_a_prediction_is_that_in_both_axes_of_a_salient_machine() -
     salient = Truth(motor_with(L_d_H=5e-3, L_q_H=15e-3), noise_A=0.05, step_A=1e-6)
     found = flux_balance(capture(salient, Excitation(speed_rad_s=60.0), 3000), EXAMPLE_MOTOR)
     assert found.error_A[0] == pytest.approx(math.sqrt(8.0 / 3.0) * 0.05, rel=0.04)
+
+
+def test_errors_that_outlast_a_block_are_in_the_covariance() -> None:
+    """A line through noise with a memory of 300 rows, in blocks of a hundred rows."""
+    rng, rows = np.random.default_rng(5), 12_000
+    line = np.stack([np.ones(rows), np.linspace(-1.0, 1.0, rows)], axis=1)
+    zero, spans, z = np.zeros(2), np.full(2, 1e3), []
+    for _ in range(40):
+        steps = rng.standard_normal(rows + 3000)
+        noise = signal.lfilter([1.0], [1.0, -math.exp(-1.0 / 300.0)], steps)[3000:]
+        found = solve(("level", "slope"), line, noise, zero, zero, spans)
+        z.append(found.values / np.sqrt(np.diag(found.covariance)))
+    assert 0.75 < math.sqrt(float(np.mean(np.square(z)))) < 1.3
+
+
+def test_the_error_of_a_prediction_in_noise_of_heavy_tails_is_known_as_its_squares_scatter() -> None:
+    block, rng = capture(Truth(noise_A=0.0), Excitation(speed_rad_s=60.0), 3000), np.random.default_rng(8)
+    clicks = {
+        name: block.column(name) + 0.02 * rng.standard_t(2.5, len(block.data))
+        for name in ("i_a", "i_b", "i_c")
+    }
+    window = Window.of(without(block, **clicks), EXAMPLE_MOTOR)
+    found = {e.name: e for e in FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements}
+    error = found["flux_balance_error_rms"]
+    assert error.uncertainty is not None
+    assert error.uncertainty.standard > 1.5 * error.value / math.sqrt(2.0 * 3000)
