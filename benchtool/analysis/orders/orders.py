@@ -45,6 +45,7 @@ _CHANNELS: Final = "torque", "omega_m"
 _SECTORS = 72
 _NEARLY_ALL = 1.4  # half of a variance
 _FEWEST_TO_REPEAT, _TURNED_BACK = 4, 0.1  # revolutions
+_MAY_BE_MORE = 2.0  # standard uncertainties
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh): U is as much
 _NO_SLOTS = "the number of slots is not known: state motor.slots in the profile"
 _NOT_TOLD = "too few revolutions to tell noise from the orders: record two at least"
@@ -277,11 +278,19 @@ def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
     if not standing_out:
         return "no order stands out of the noise"
     largest = int(spectrum.largest[0])
-    if largest == standing_out[0]:
+    if largest != standing_out[0]:
+        return (
+            f"order {largest} reads {spectrum.amplitude[largest - 1]:.3g} {spectrum.unit}, more than order "
+            f"{standing_out[0]}, the largest that stands out of the noise: record more revolutions"
+        )
+    others = np.setdiff1d(spectrum.order, standing_out) - 1
+    most = spectrum.amplitude[others] + _MAY_BE_MORE * spectrum.standard[others]
+    larger = others[most > spectrum.amplitude[largest - 1]] + 1
+    if not len(larger):
         return ""
     return (
-        f"order {largest} reads {spectrum.amplitude[largest - 1]:.3g} {spectrum.unit}, more than order "
-        f"{standing_out[0]}, the largest that stands out of the noise: record more revolutions"
+        f"order {larger[0]} does not stand out of the noise and may be larger than order {largest}: record "
+        f"more revolutions at an even speed"
     )
 
 

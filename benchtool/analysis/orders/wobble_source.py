@@ -6,6 +6,7 @@ along which the orders of a signal are the larger, by as much as the other one i
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +44,8 @@ class WobbleSource:
             return spectrum
         untold = 0.5 * abs(1.0 - abs(self.share))
         lost = Wobble(self.wobble_rad).lost(spectrum.amplitude)
-        return spectrum.with_wobble(untold * lost, untold * spectrum.beside)
+        # of a part of the wobble only what is in phase with all of it is told: it is between that and all
+        return spectrum.with_wobble(untold * lost, math.sqrt(untold) * spectrum.beside)
 
 
 def source_of_wobble(

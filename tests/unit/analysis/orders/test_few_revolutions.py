@@ -115,3 +115,17 @@ def test_a_size_that_remembers_has_no_uncertainty_in_few_revolutions(revolutions
             assert found.uncertainty is not None or "wanders" in found.uncertainty_reason
     assert told[True] <= 1
     assert told[False] == 10
+
+
+def test_which_order_is_the_largest_is_not_told_where_an_uncertain_one_may_be() -> None:
+    """A speed that falls puts much beside order 1, which reads less than it is."""
+    place = np.linspace(0.0, 1.0, 6_000)
+    turned = TURN * 12.3 * (place + 0.02 * place * (1.0 - place))
+    even = np.gradient(turned)
+    speed = 42.0 * even / np.mean(even) + 0.05 * np.cos(24.0 * turned) + 0.08 * np.cos(turned + 1.0)
+    speed += 0.02 * np.random.default_rng(2).standard_normal(len(place))
+    block = Block.from_arrays(3_000.0, {}, theta_m=np.mod(turned, TURN), omega_m=speed)
+    number, amplitude, *_ = order_analysis(block, "omega_m", "speed").measurements
+    assert math.isnan(number.value)
+    assert "may be larger than order" in number.reason
+    assert amplitude.reason == number.reason

@@ -93,3 +93,15 @@ def test_of_a_rotor_that_reversed_the_sensor_errs_as_on_the_longer_way() -> None
     off = abs(number.value - COGGING[72][0])
     assert off == pytest.approx(0.2 * (72 * 4e-3) ** 2 / 4.0, rel=0.1)
     assert 0.5 < off / number.uncertainty.standard < 1.5
+
+
+def test_a_wobble_that_is_partly_the_rotor_s_leaves_its_sidebands_in_the_uncertainty() -> None:
+    """The rotor moves by a fifth of what the encoder's disc errs; its sidebands of order 20 are no orders."""
+    random, even, relative = np.random.default_rng(9), steady(12.3), []
+    for begin in np.arange(8) * TURN / 8:
+        true = even + 1e-3 * np.sin(even)
+        read = true + 5e-3 * np.sin(even + begin)
+        values = np.cos(20.0 * true) + 0.3 * np.cos(50.0 * true) + 1e-3 * random.standard_normal(len(even))
+        spectrum = order_analysis(block_of(np.mod(read, TURN), values), "torque").spectrum
+        relative += [spectrum.amplitude[k - 1] / spectrum.uncertainty(k).standard for k in (19, 21, 49, 51)]
+    assert np.median(relative) < 3.0
