@@ -20,7 +20,7 @@ from benchmarks.coverage.excited import (
     machine,
     record,
 )
-from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import UNCORRELATED
 from benchtool.analysis import Window
 from benchtool.analysis.balances import (
@@ -70,7 +70,7 @@ def _trial(what: Balance, random: np.random.Generator) -> Iterator[Compared]:
 
 def _errors(what: Balance, true: Machine, found: Record) -> dict[str, float]:
     """Return the rms errors of the currents predicted a tick ahead: noise of a vector of three phases at both
-    ends, and what the believed parameters add."""
+    ends, and what the believed parameters add; not what the angle between the counts of an encoder does."""
     read = what.sensors
     phase2 = read.noise_A**2 * (1.0 - read.colour) + read.step_A**2 / 12.0
     noise2 = 8.0 / 3.0 * phase2
@@ -83,10 +83,8 @@ def _errors(what: Balance, true: Machine, found: Record) -> dict[str, float]:
     # beside a crossing of zero the sign of the current is not told, by steps and by what dead time makes
     least_A = 2.0 * read.step_A + 2.0 * true.dead_time_V * T_S / (0.5 * (true.L_d + true.L_q))
     by_belief_A = error_of_prediction(Machine.believed(), found, least_A)
-    # the angle between the counts of a shaft that turns back errs as well, in one record more than in another
-    turns_back = read.counts and not what.excitation.speeds_rad_s
     return {
-        "flux_balance_error_rms": OF_THE_ENSEMBLE if turns_back else noise_A,
+        "flux_balance_error_rms": noise_A,
         "flux_balance_belief_error_rms": math.hypot(noise_A, by_belief_A),
     }
 
