@@ -7,26 +7,22 @@ its rows are few or many, coarse, spiked, or at other times than they should be.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
 
 from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import converted
-from benchtool.analysis import Measurement, analyze_step
+from benchmarks.coverage.true_step import KnownStep
+from benchtool.analysis import analyze_step
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
 
 _RATE_HZ = 10_000.0
-_FINE = 50  # instants per row at which the truth is looked for
-_RECORDS = 100  # over which an extreme is averaged
-_ARRIVED, _LOW, _HIGH = 0.02, 0.1, 0.9
-_ROUNDING = 1e-7  # of the step
 _VARIED = 0.94, 1.06  # of all times, from record to record
 
 
@@ -76,6 +72,11 @@ class Answer:
             held_since=int(random.integers(self.held)),
         )
 
+    @property
+    def kinks(self) -> tuple[float, float]:
+        """Times, in rows, at which the answer is not smooth."""
+        return self.delay, self.delay + self.ramp * (1.0 + self.beyond)
+
     def course(self, since: Floats) -> Floats:
         """Return the answer without noise at times since the step, in rows."""
         late = np.maximum(since - self.delay, 0.0)
@@ -118,80 +119,14 @@ def _trial(what: Answer, random: np.random.Generator) -> Iterator[Compared]:
     reference = np.where(row >= 0.0, 1.0, 0.0) + what.of_reference * random.standard_normal(len(row))
     block = Block.from_arrays(_RATE_HZ, {"y": "Nm", "r": "Nm"}, y=y, r=reference)
     found = analyze_step(block, "y", "r", held=True).measurements
-    yield from selected(found, _truths(what, random, since, slower, _band(found)))
-
-
-def _band(found: tuple[Measurement, ...]) -> float:
-    (text,) = (each.definition for each in found if each.name == "settling_time")
-    within = re.search(r"within ([-+.\de]+) ", text)
-    assert within is not None
-    stated = float(within[1])
-    return _ARRIVED if math.isclose(stated, _ARRIVED, rel_tol=1e-2) else stated
-
-
-def _truths(
-    what: Answer, random: np.random.Generator, since: Floats, slower: float, band: float
-) -> Mapping[str, float]:
-    after = int(np.count_nonzero(since >= 0.0))
-    fine = np.arange(0.0, after - 1, 1.0 / _FINE) / slower
-    kinks = np.array([0.0, what.ramp * (1.0 + what.beyond)]) + what.delay
-    fine = np.unique(np.concatenate([fine, kinks]))
-    y, row_s = what.course(fine), slower / _RATE_HZ
-    outside = np.flatnonzero(np.abs(y - 1.0) > band)
-    top = int(np.argmax(y))
-    peak, over = _peak(what, fine[max(0, top - 1) : top + 2], fine[top])
-    times = {
-        "step_latency": _passed(fine, y, _ARRIVED),
-        "rise_time": _passed(fine, y, _HIGH) - _passed(fine, y, _LOW),
-        "reach_time": _passed(fine, y, 1.0 - _ARRIVED),
-        "settling_time": math.nan,
-    }
-    if (last := int(outside[-1])) < len(fine) - 1:
-        pair = slice(last, last + 2)
-        times["settling_time"] = float(np.interp(-band, -np.abs(y[pair] - 1.0), fine[pair]))
-    if over > _ROUNDING:
-        times["peak_time"] = peak
-    truths = {name: row_s * time for name, time in times.items()}
-    truths["overshoot"] = max(0.0, over)
-    truths["undershoot"] = max(0.0, 1.0 - float(np.min(y[top:])))
-    held, settled = (since >= times[name] for name in ("reach_time", "settling_time"))
-    smooth = what.course(since)
-    truths["plateau_mean"] = float(np.mean(smooth[held]))
-    truths["tracking_error_mean"] = float(np.mean(smooth[settled])) - 1.0
-    records = [what.disturbed(random, since) for _ in range(_RECORDS)]
-    for name, of in _OF_SAMPLES.items():
-        rows = held if name.startswith("plateau") else settled
-        truths[name] = float(np.mean([of(each[rows]) for each in records]))
-    return {name: truth for name, truth in truths.items() if not math.isnan(truth)}
-
-
-def _peak(what: Answer, near: Floats, top: float) -> tuple[float, float]:
-    """Return when the answer is the greatest, near these instants, and how far beyond 1 it is then."""
-
-    def beyond(at: float) -> float:
-        return float(what.course(np.array([at]))[0]) - 1.0
-
-    found = optimize.minimize_scalar(
-        lambda at: -beyond(at), bounds=(near[0], near[-1]), method="bounded", options={"xatol": 1e-7}
+    known = KnownStep(
+        lambda time_s: what.course(time_s * _RATE_HZ / slower),
+        row / _RATE_HZ,
+        np.where(row >= 0.0, 1.0, 0.0),
+        partial(what.disturbed, random, since),
+        kinks_s=tuple(slower / _RATE_HZ * each for each in what.kinks),
     )
-    place = float(max((top, float(found.x)), key=beyond))
-    return place, beyond(place)
-
-
-_OF_SAMPLES: Mapping[str, Callable[[Floats], float]] = {
-    "plateau_min": lambda y: float(np.min(y)),
-    "plateau_max": lambda y: float(np.max(y)),
-    "tracking_error_rms": lambda y: math.sqrt(float(np.mean((y - 1.0) ** 2))),
-    "tracking_error_max": lambda y: float(np.max(np.abs(y - 1.0))),
-}
-
-
-def _passed(time: Floats, y: Floats, level: float) -> float:
-    above = np.flatnonzero(y >= level)
-    if not len(above):
-        return math.nan
-    pair = slice(above[0] - 1, above[0] + 1)
-    return float(np.interp(level, y[pair], time[pair]))
+    yield from selected(found, known.true_numbers(found))
 
 
 _LAG, _RINGING = (Mode(1.0, 19.0),), (Mode(1.0, 38.0, 77.0),)

@@ -14,6 +14,7 @@ from scipy import signal
 from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.named_truths import of_orders, of_ripple
 from benchmarks.coverage.noise import coloured, converted
+from benchmarks.coverage.true_response import sampled, true_numbers_of_response
 from benchtool.analysis import analyze_response, order_analysis, torque_ripple, track_angle
 from benchtool.block import Block
 
@@ -89,13 +90,13 @@ def _output(what: CoarseOutput, random: np.random.Generator) -> Iterator[Compare
     corner_Hz, held = random.uniform(40.0, 130.0), random.integers(*what.rows)
     x = np.repeat(random.choice([-1.0, 1.0], count // held + 1), held)[:count]
     left = math.exp(-2 * np.pi * corner_Hz / rate_Hz)
-    y = np.asarray(signal.lfilter([0.0, 1.0 - left], [1.0, -left], x))
+    above, below = np.array([0.0, 1.0 - left]), np.array([1.0, -left])
+    y = np.asarray(signal.lfilter(above, below, x))
     y = step * np.round((y + what.noise * step * random.standard_normal(count)) / step)
     block = Block.from_arrays(rate_Hz, {"x": "Nm", "y": "Nm"}, x=x, y=y)
-    # |1 - left e^-jw|^2 = 2 (1 - left)^2 at the corner
-    turn = math.acos((1.0 + left**2 - 2.0 * (1.0 - left) ** 2) / (2.0 * left))
-    truths = {"response_gain": 1.0, "bandwidth_3dB": turn * rate_Hz / (2 * np.pi)}
-    yield from selected(analyze_response(block, "x", "y").measurements, truths)
+    found = analyze_response(block, "x", "y").measurements
+    response = sampled(above, below, rate_Hz)
+    yield from selected(found, true_numbers_of_response(response, 0.5 * rate_Hz, found))
 
 
 TORQUE: Mapping[str, Coarse] = {

@@ -4,7 +4,7 @@ sweep between two rests, and of delays over all frequencies alike."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.true_response import sampled, true_numbers_of_response
 from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
@@ -25,8 +26,6 @@ _COUNT = 24_000
 _REST = 0.06  # of the record, before and after a sweep
 _PERIOD = 3_000
 _LINES = 36
-_TENTH = 0.1  # of the bandwidth: where the line of the phase begins
-_GRID, _PLACES = 200_000, 5_000
 
 
 @dataclass(frozen=True)
@@ -51,10 +50,8 @@ def controlled_trial(what: Controlled, random: np.random.Generator) -> Iterator[
     block = Block.from_arrays(_RATE_HZ, {"x": "A", "y": "A"}, x=x, y=y)
     period = _PERIOD if what.excitation == "lines" else None
     found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
-    truths = dict(_truths(numerator, denominator))
-    if not all(math.isfinite(each.value) for each in found if each.name == "bandwidth_3dB"):
-        del truths["response_delay"]  # it is that up to another frequency, which it states
-    yield from selected(found, truths)
+    response = sampled(numerator, denominator, _RATE_HZ)
+    yield from selected(found, true_numbers_of_response(response, 0.5 * _RATE_HZ, found))
 
 
 def _loop(random: np.random.Generator) -> tuple[Floats, Floats]:
@@ -107,29 +104,6 @@ def _course(course: Course, random: np.random.Generator) -> Floats:
     if course == "walk":
         return np.asarray(np.cumsum(random.standard_normal(_COUNT)) / math.sqrt(_COUNT))
     return np.zeros(_COUNT)
-
-
-def _truths(numerator: Floats, denominator: Floats) -> Mapping[str, float]:
-    grid_Hz = (np.arange(_GRID) + 0.5) * 0.5 * _RATE_HZ / _GRID
-    _, response = signal.freqz(numerator, denominator, worN=grid_Hz, fs=_RATE_HZ)
-    rest = float(np.sum(numerator) / np.sum(denominator))
-    gain, phase = np.abs(response) / rest, np.unwrap(np.angle(response))
-    bandwidth_Hz = _first(grid_Hz, gain, math.sqrt(0.5))
-    places = (np.arange(_PLACES) + 0.5) / _PLACES
-    line_Hz = bandwidth_Hz * (_TENTH + (1.0 - _TENTH) * places)
-    slope = np.polynomial.Polynomial.fit(line_Hz, np.interp(line_Hz, grid_Hz, phase), 1).convert().coef[1]
-    return {
-        "response_gain": rest,
-        "bandwidth_3dB": bandwidth_Hz,
-        "bandwidth_90deg": _first(grid_Hz, phase, -0.5 * math.pi),
-        "resonance_peak": max(0.0, 20.0 * math.log10(float(np.max(gain)))),
-        "response_delay": -float(slope) / (2.0 * math.pi),
-    }
-
-
-def _first(frequency_Hz: Floats, values: Floats, level: float) -> float:
-    at = int(np.argmax(values < level))
-    return float(np.interp(-level, -values[at - 1 : at + 1], frequency_Hz[at - 1 : at + 1]))
 
 
 FAMILIES = families_of(

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, signal
+from scipy import signal
 
 from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import Kind, coloured, converted, noise_of
+from benchmarks.coverage.true_response import sampled, true_numbers_of_response
+from benchmarks.coverage.true_step import KnownStep
 from benchtool.analysis import analyze_response, analyze_step
 from benchtool.block import Block
 
@@ -106,6 +109,22 @@ class Stepped:
         1,
     )  # largest height relative to the step; how many; samples of each
 
+    def answer(self, time_s: Floats) -> Floats:
+        """Return the answer without noise to a reference of 1 that begins at zero."""
+        late = time_s - self.delay_s
+        up = self.lag.ramp(late, self.rise_s) if self.rise_s else self.lag.step(late)
+        return up - self.lag.step(late - self.pulse_s) if math.isfinite(self.pulse_s) else up
+
+    def disturbed(self, time_s: Floats, random: np.random.Generator) -> Floats:
+        """Return the answer as it is measured, but for its height and the steps of a converter."""
+        noise = self.noise * coloured(noise_of(self.kind, random, len(time_s)), self.colour)
+        size, ripple_Hz = self.ripple
+        noise += size * np.cos(2 * np.pi * ripple_Hz * time_s + random.uniform(0, 2 * np.pi))
+        largest, spikes, samples = self.spikes
+        for at in random.integers(5, len(noise) - 8, spikes):
+            noise[at : at + samples] += largest * random.choice([-1, 1]) * random.uniform(0.3, 1.0)
+        return self.answer(time_s) + noise + self.drift * time_s
+
 
 @dataclass(frozen=True)
 class Excited:
@@ -130,22 +149,10 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[Compar
     what = replace(what, lag=what.lag.varied(random))
     row = np.arange(-round(_BEFORE_S * RATE_HZ), round(what.duration_s * RATE_HZ), dtype=np.float64)
     time_s: Floats = (row + (0.0 if what.held else random.uniform())) / RATE_HZ
-
-    def answer(at_s: Floats) -> Floats:
-        late = np.asarray(at_s) - what.delay_s
-        up = what.lag.ramp(late, what.rise_s) if what.rise_s else what.lag.step(late)
-        return up - what.lag.step(late - what.pulse_s) if math.isfinite(what.pulse_s) else up
-
     reference = np.clip(time_s / what.rise_s, 0.0, 1.0) if what.rise_s else np.where(time_s >= 0.0, 1.0, 0.0)
     if math.isfinite(what.pulse_s):
         reference = np.where(time_s >= what.pulse_s, 0.0, reference)
-    noise = what.noise * coloured(noise_of(what.kind, random, len(time_s)), what.colour)
-    size, ripple_Hz = what.ripple
-    noise += size * np.cos(2 * np.pi * ripple_Hz * time_s + random.uniform(0, 2 * np.pi))
-    largest, spikes, samples = what.spikes
-    for at in random.integers(5, len(noise) - 8, spikes):
-        noise[at : at + samples] += largest * random.choice([-1, 1]) * random.uniform(0.3, 1.0)
-    measured = what.height * (answer(time_s) + noise + what.drift * time_s)
+    measured = what.height * what.disturbed(time_s, random)
     if what.bits:
         measured = converted(measured, 2.0 * abs(what.height) / 2**what.bits, random)
     block = Block.from_arrays(
@@ -154,39 +161,18 @@ def stepped_trial(what: Stepped, random: np.random.Generator) -> Iterator[Compar
         y=measured,
         r=what.height * reference,
     )
-    fine_s = np.linspace(0.0, what.duration_s, 400_001)
-    yield from selected(
-        analyze_step(block, "y", "r", held=what.held and not what.untold).measurements,
-        _truths(what, fine_s, answer(fine_s), reference),
+    found = analyze_step(block, "y", "r", held=what.held and not what.untold).measurements
+    known = KnownStep(
+        what.answer,
+        time_s,
+        reference,
+        partial(what.disturbed, time_s, random),
+        what.height,
+        0.5 * what.rise_s,
+        tuple(what.delay_s + each for each in (0.0, what.rise_s, what.pulse_s)),
+        what.drift,
     )
-
-
-def _truths(what: Stepped, time_s: Floats, y: Floats, reference: Floats) -> Mapping[str, float]:
-    """Of the answer without noise, between samples too; times since the reference has come half the way."""
-    half_s = 0.5 * what.rise_s
-    tops = int(np.argmax(y))
-    final = float(reference[-1])
-    over = max(0.0, float(y[tops]) - 1.0)
-    truths = {
-        "step_latency": _crossing(time_s, y, 0.02) - half_s,
-        "overshoot": abs(what.height) * over,
-        "overshoot_percent": 100.0 * over,
-        "reach_time": _crossing(time_s, y, 0.98) - half_s,
-        "rise_time": _crossing(time_s, y, 0.9) - _crossing(time_s, y, 0.1),
-    }
-    if over > 0.0:
-        truths["peak_time"] = float(time_s[tops]) - half_s
-        truths["undershoot"] = abs(what.height) * max(0.0, final - float(np.min(y[tops:])))
-    outside = np.flatnonzero(np.abs(y - final) > 0.02)
-    is_fine = what.noise <= 1e-3 and not 0 < what.bits < 8
-    if is_fine and len(outside):  # else the band is another
-        truths["settling_time"] = float(time_s[outside[-1]]) - half_s
-    return truths
-
-
-def _crossing(time_s: Floats, y: Floats, level: float) -> float:
-    above = np.flatnonzero(y >= level)
-    return float(time_s[above[0]]) if len(above) else math.nan
+    yield from selected(found, known.true_numbers(found))
 
 
 def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[Compared]:
@@ -224,8 +210,10 @@ def excited_trial(what: Excited, random: np.random.Generator) -> Iterator[Compar
     if what.input_bits:
         x = converted(x, 2.2 * float(np.max(np.abs(x))) / 2**what.input_bits, random)
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
-    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
-    yield from selected(found.measurements, _response_truths(what, late, found.response.frequency_Hz))
+    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
+    above, below = discrete(what.lag)
+    response = sampled(np.concatenate([np.zeros(late), above]), below, RATE_HZ)
+    yield from selected(found, true_numbers_of_response(response, 0.5 * RATE_HZ, found))
 
 
 @dataclass(frozen=True)
@@ -248,21 +236,9 @@ def looped_trial(what: Looped, random: np.random.Generator) -> Iterator[Compared
     y = np.asarray(signal.lfilter(ahead, behind + ahead, x))
     y += what.noise * float(np.std(y)) * coloured(random.standard_normal(len(y)), what.colour)
     block = Block.from_arrays(RATE_HZ, {"x": "Nm", "y": "Nm"}, x=x, y=y)
-    grid_Hz, opened = signal.freqz(ahead, behind, worN=np.linspace(1.0, 0.45 * RATE_HZ, 200_000), fs=RATE_HZ)
-    gain_dB, phase = 20.0 * np.log10(np.abs(opened)), np.unwrap(np.angle(opened))
-    crossover_Hz = _falls_to(grid_Hz, gain_dB, 0.0)
-    truths = {
-        "crossover": crossover_Hz,
-        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, grid_Hz, phase))),
-        "gain_margin": -float(np.interp(_falls_to(grid_Hz, phase, -math.pi), grid_Hz, gain_dB)),
-        "sensitivity_peak": float(np.max(np.abs(1.0 / (1.0 + opened)))),
-    }
-    yield from selected(analyze_response(block, "x", "y").measurements, truths)
-
-
-def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
-    at = int(np.argmax(values < level))
-    return float(np.interp(-level, -values[at - 1 : at + 1], frequency_Hz[at - 1 : at + 1]))
+    found = analyze_response(block, "x", "y").measurements
+    closed = sampled(ahead, behind + ahead, RATE_HZ)
+    yield from selected(found, true_numbers_of_response(closed, 0.5 * RATE_HZ, found))
 
 
 def _held(lag: Lag, x: Floats) -> Floats:
@@ -278,41 +254,6 @@ def discrete(lag: Lag) -> tuple[Floats, Floats]:
     system = (np.array([lag.gain * below[-1]]), np.array(below))
     numerator, denominator, _ = signal.cont2discrete(system, 1.0 / RATE_HZ, "zoh")
     return np.ravel(numerator), np.ravel(denominator)
-
-
-def _response_truths(what: Excited, late: int, used_Hz: Floats) -> Mapping[str, float]:
-    numerator, denominator = discrete(what.lag)
-    grid_Hz = np.geomspace(0.5, 0.45 * RATE_HZ, 20_000)
-
-    def answer(frequency_Hz: Floats) -> NDArray[np.complex128]:
-        omega = 2.0 * np.pi * np.asarray(frequency_Hz) / RATE_HZ
-        _, response = signal.freqz(numerator, denominator, worN=np.atleast_1d(omega))
-        return np.asarray(response * np.exp(-1j * late * np.atleast_1d(omega)))
-
-    gain = np.abs(answer(grid_Hz)) / what.lag.gain
-    phase = np.unwrap(np.angle(answer(grid_Hz)))
-    truths = {"response_gain": what.lag.gain, "resonance_peak": max(0.0, 20.0 * math.log10(np.max(gain)))}
-    top_Hz = min(float(used_Hz[-1]), 2_000.0)
-    for name, curve, level in (
-        ("bandwidth_3dB", gain, math.sqrt(0.5)),
-        ("bandwidth_90deg", phase, -0.5 * math.pi),
-    ):
-        below = np.flatnonzero(curve < level)
-        if len(below) and below[0] > 0 and grid_Hz[below[0]] < top_Hz:
-            pair = grid_Hz[below[0] - 1], grid_Hz[below[0]]
-
-            def left(frequency_Hz: float, name: str = name) -> float:
-                return _level(complex(answer(np.array([frequency_Hz]))[0]), name, what.lag.gain)
-
-            truths[name] = float(optimize.brentq(left, *pair))
-    return truths
-
-
-def _level(value: complex, name: str, gain: float) -> float:
-    """Return what is zero at the bandwidth."""
-    if name == "bandwidth_3dB":
-        return abs(value) / gain - math.sqrt(0.5)
-    return math.remainder(float(np.angle(value)) + 0.5 * math.pi, 2 * math.pi)
 
 
 _FIRST, _SECOND, _SOFT = Lag(80.0), Lag(60.0, 0.4), Lag(60.0, 0.75)

@@ -17,6 +17,9 @@ from benchtool.errors import AnalysisError
 OF_THE_ENSEMBLE = math.nan
 """Truth of a number that is random itself, such as a peak-to-peak value: the ensemble's mean."""
 
+NEVER = math.inf
+"""Truth of a number of what does not happen, such as a crossing: none is right."""
+
 Compared = tuple[Measurement, float | None]
 """A measurement with its truth; None where the family does not tell it."""
 

@@ -3,8 +3,7 @@ sensor adds, few lines, a period that is not stated, rests at both ends, answers
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,6 +13,7 @@ from scipy import signal
 
 from benchmarks.coverage.dynamic import RATE_HZ, Lag, discrete
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.true_response import sampled, true_numbers_of_response
 from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
@@ -101,41 +101,9 @@ def identified_trial(what: Identified, random: np.random.Generator) -> Iterator[
         begin_row=_PERIOD if repeats else 0,
         period_rows=_PERIOD if repeats and what.is_declared else None,
         stimulus="r" if what.by_stimulus else None,
-    )
-    yield from selected(found.measurements, _truths(what))
-
-
-def _truths(what: Identified) -> Mapping[str, float]:
-    """Of the sampled lag, and of the loop of which it is the closed one."""
-    grid_Hz = np.unique(
-        np.concatenate([np.geomspace(0.05, 4_900.0, 20_000), np.linspace(1.0, 4_900.0, 20_000)])
-    )
-    _, closed = signal.freqz(*what.filter, worN=grid_Hz, fs=RATE_HZ)
-    gain_dB, phase = 20.0 * np.log10(np.abs(closed)), np.unwrap(np.angle(closed))
-    opened = closed / (1.0 - closed)
-    open_dB, open_phase = 20.0 * np.log10(np.abs(opened)), np.unwrap(np.angle(opened))
-    crossover_Hz = _falls_to(grid_Hz, open_dB, 0.0)
-    turned_Hz = _falls_to(grid_Hz, open_phase, -math.pi)
-    return {
-        "response_gain": 1.0,
-        "bandwidth_3dB": _falls_to(grid_Hz, gain_dB, -10.0 * math.log10(2.0)),
-        "bandwidth_90deg": _falls_to(grid_Hz, phase, -0.5 * math.pi),
-        "resonance_peak": max(0.0, float(np.max(gain_dB))),
-        "crossover": crossover_Hz,
-        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, grid_Hz, open_phase))),
-        "gain_margin": -float(np.interp(turned_Hz, grid_Hz, open_dB)),
-        "sensitivity_peak": float(np.max(np.abs(1.0 - closed))),
-    }
-
-
-def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
-    """Return the first place at a level; beyond all frequencies, where no number is right, if it stays
-    above."""
-    below = np.flatnonzero(values < level)
-    if len(below) == 0:
-        return 1e9
-    at = slice(int(below[0]) - 1, int(below[0]) + 1)
-    return float(np.interp(-level, -values[at], frequency_Hz[at]))
+    ).measurements
+    response = sampled(numerator, denominator, RATE_HZ)
+    yield from selected(found, true_numbers_of_response(response, 0.5 * RATE_HZ, found))
 
 
 _SLOW = Lag(90.0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.true_response import sampled, true_numbers_of_response
 from benchtool.analysis import analyze_response
 from benchtool.block import Block
 
@@ -24,7 +25,6 @@ _CROSSOVER_HZ = 8.0, 40.0
 _ZERO, _LAG = (0.04, 0.2), (2.0, 5.0)  # of the crossover
 _ROWS_PER_CYCLE = 30.0, 120.0  # of the crossover
 _REST = 16  # of the record, at either end of a sweep
-_GRID = 100_000
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,9 @@ def _trial(what: SpeedLoop, random: np.random.Generator) -> Iterator[Compared]:
     y = np.asarray(signal.lfilter(above, below + above, x))
     y += what.noise * float(np.std(y)) * random.standard_normal(len(y))
     block = Block.from_arrays(rate_Hz, {"x": "rad/s", "y": "rad/s"}, x=x, y=y)
-    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period)
-    yield from selected(found.measurements, _truths(above, below, rate_Hz))
+    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
+    closed = sampled(above, below + above, rate_Hz)
+    yield from selected(found, true_numbers_of_response(closed, 0.5 * rate_Hz, found))
 
 
 def _played(what: SpeedLoop, crossover: float, random: np.random.Generator) -> tuple[Floats, int | None]:
@@ -74,36 +75,6 @@ def _played(what: SpeedLoop, crossover: float, random: np.random.Generator) -> t
         phase = random.uniform(0.0, 2.0 * math.pi, len(lines))
         one = np.sum(np.cos(np.outer(lines, turn) + phase[:, np.newaxis]), axis=0)
     return np.tile(one, round(what.rows / len(one))), len(one)
-
-
-def _truths(above: Floats, below: Floats, rate_Hz: float) -> Mapping[str, float]:
-    grid = np.linspace(1e-6, 0.49, _GRID)
-    _, opened = signal.freqz(above, below, worN=2.0 * math.pi * grid)
-    closed, frequency_Hz = opened / (1.0 + opened), rate_Hz * grid
-    gain_dB, opened_dB = (20.0 * np.log10(np.abs(each)) for each in (closed, opened))
-    phase, opened_phase = (np.unwrap(np.angle(each)) for each in (closed, opened))
-    crossover_Hz = _falls_to(frequency_Hz, opened_dB, 0.0)
-    truths = {
-        "response_gain": 1.0,
-        "bandwidth_3dB": _falls_to(frequency_Hz, gain_dB, -20.0 * math.log10(math.sqrt(2.0))),
-        "bandwidth_90deg": _falls_to(frequency_Hz, phase, -0.5 * math.pi),
-        "resonance_peak": max(0.0, float(np.max(gain_dB))),
-        "crossover": crossover_Hz,
-        "phase_margin": 180.0 + math.degrees(float(np.interp(crossover_Hz, frequency_Hz, opened_phase))),
-        "sensitivity_peak": float(np.max(np.abs(1.0 / (1.0 + opened)))),
-    }
-    beyond = opened_phase.copy()
-    beyond[opened_dB > 0.0] = 0.0  # a double integrator begins near -180 degrees
-    if float(np.min(beyond)) < -math.pi:
-        truths["gain_margin"] = -float(
-            np.interp(_falls_to(frequency_Hz, beyond, -math.pi), frequency_Hz, opened_dB)
-        )
-    return truths
-
-
-def _falls_to(frequency_Hz: Floats, values: Floats, level: float) -> float:
-    at = int(np.argmax(values < level))
-    return float(np.interp(-level, -values[at - 1 : at + 1], frequency_Hz[at - 1 : at + 1]))
 
 
 SPEED_LOOPS: Mapping[str, SpeedLoop] = {

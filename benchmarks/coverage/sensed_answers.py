@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,8 @@ from benchmarks.coverage.sensors import (
     own_response,
     stated_sensor,
 )
-from benchtool.analysis import analyze_step
+from benchmarks.coverage.true_response import true_numbers_of_response
+from benchmarks.coverage.true_step import KnownStep
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.plan import Analyses
@@ -31,6 +33,7 @@ from benchtool.results.block_result import analyze_block
 Floats = NDArray[np.float64]
 
 _CORNER_HZ = 50.0
+_IDEAL = math.inf, 1  # bandwidth and order of a sensor
 _UNITS = {"torque": "Nm", "torque_reference": "Nm"}
 
 
@@ -66,23 +69,24 @@ def _step(what: SensedStep, random: np.random.Generator) -> Iterator[Compared]:
     own = own_response(what.actual, stated_Hz, random)
     time_s = np.arange(-400, 4000) / RATE_HZ
     reference = np.where(time_s >= 0.0, 1.0, 0.0)
-    read = _answer(time_s, corner_Hz, damping, own) + what.noise * random.standard_normal(len(time_s))
-    block = Block.from_arrays(RATE_HZ, _UNITS, torque=read, torque_reference=reference)
-    ideal = _answer(time_s, corner_Hz, damping, (math.inf, 1))
-    clean = Block.from_arrays(RATE_HZ, _UNITS, torque=ideal, torque_reference=reference)
-    truths = {
-        each.name: each.value
-        for each in analyze_step(clean, "torque", "torque_reference", held=True).measurements
-        if each.name
-        in ("rise_time", "reach_time", "step_latency", "peak_time", "overshoot", "overshoot_percent")
-    }
+
+    def read(by: tuple[float, int]) -> Floats:
+        return _answer(time_s, corner_Hz, damping, by) + what.noise * random.standard_normal(len(time_s))
+
+    block = Block.from_arrays(RATE_HZ, _UNITS, torque=read(own), torque_reference=reference)
     bench = Bench(channels={"torque": stated_sensor(what.actual, stated_Hz)})
     analyses = Analyses.model_validate({"steady": False, "step": True})
     try:
-        found = analyze_block(block, MOTOR, analyses, calibration=Calibration(bench))
+        found = analyze_block(block, MOTOR, analyses, calibration=Calibration(bench)).measurements
     except AnalysisError:
         return
-    yield from selected(found.measurements, truths)
+    known = KnownStep(
+        partial(_answer, corner_Hz=corner_Hz, damping=damping, own=_IDEAL),
+        time_s,
+        reference,
+        partial(read, _IDEAL),
+    )
+    yield from selected(found, known.true_numbers(found))
 
 
 @dataclass(frozen=True)
@@ -114,20 +118,14 @@ def _response(what: SensedResponse, random: np.random.Generator) -> Iterator[Com
     y = signal.lfilter(*signal.bilinear([1.0], np.polymul(plant, sensor), fine_Hz), x)[::_FINE]
     read = y + what.noise * random.standard_normal(len(y))
     block = Block.from_arrays(RATE_HZ, _UNITS, torque=read, torque_reference=x[::_FINE])
-    s = 1j * np.linspace(0.0, 4.0, 40_001) * w
-    response = 1.0 / np.polyval(plant, s)
-    size, f_Hz = np.abs(response), s.imag / (2 * np.pi)
-    below = int(np.flatnonzero(size < math.sqrt(0.5))[0])
-    truths = {
-        "response_gain": 1.0,
-        "bandwidth_3dB": float(f_Hz[below]),
-        "bandwidth_90deg": corner_Hz,
-        "resonance_peak": 20.0 * math.log10(float(np.max(size))),
-    }
     bench = Bench(channels={"torque": stated_sensor(what.actual, stated_Hz)})
     analyses = Analyses.model_validate({"steady": False, "frequency_response": True})
-    found = analyze_block(block, MOTOR, analyses, calibration=Calibration(bench))
-    yield from selected(found.measurements, truths)
+    found = analyze_block(block, MOTOR, analyses, calibration=Calibration(bench)).measurements
+
+    def response(frequency_Hz: Floats) -> NDArray[np.complex128]:
+        return np.asarray(1.0 / np.polyval(plant, 2j * np.pi * frequency_Hz))
+
+    yield from selected(found, true_numbers_of_response(response, 0.5 * RATE_HZ, found))
 
 
 FAMILIES: tuple[Family, ...] = (
