@@ -57,11 +57,11 @@ def _of_open_loop(grid_Hz: Floats, opened: NDArray[np.complex128]) -> Mapping[st
     crossover_Hz = _falls_to(grid_Hz, gain_dB, 0.0)
     if not math.isfinite(crossover_Hz):
         return dict.fromkeys(("crossover", "phase_margin", "gain_margin"), NEVER)
-    margin = math.remainder(math.pi + float(np.interp(crossover_Hz, grid_Hz, phase)), 2.0 * math.pi)
+    there = float(np.interp(crossover_Hz, grid_Hz, phase))
+    margin = math.remainder(math.pi + there, 2.0 * math.pi)
     # two integrators begin near -180 degrees, which they fall to above the crossover
     above = slice(int(np.searchsorted(grid_Hz, crossover_Hz)), None)
-    beyond = phase[above] - phase[above][0] + margin
-    turned_Hz = _falls_to(grid_Hz[above], beyond, 0.0)
+    turned_Hz = _falls_to(grid_Hz[above], phase[above] - there + margin, 0.0)
     is_turned = math.isfinite(turned_Hz)
     return {
         "crossover": crossover_Hz,
