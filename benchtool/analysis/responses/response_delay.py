@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 
 _FROM = 0.1  # of the upper frequency
 _FEWEST_FOR_A_LINE = 3
-_BESIDE = 2  # frequencies beyond either end that an interpolation takes
-_FINE, _FINER = 400, 4  # places over which the line is fitted, at least, and for each frequency
+_BESIDE = 8  # frequencies beyond either end that an interpolation takes: splines end badly
+_FINE, _FINER = 2_000, 4  # places over which the line is fitted, at least, and for each frequency
 
 
 @dataclass(frozen=True)

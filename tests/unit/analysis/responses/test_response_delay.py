@@ -42,6 +42,27 @@ def test_few_lines_and_many_give_one_delay(damping: float, bandwidth_Hz: float) 
     assert _standard(dense) < 0.01 * dense.value
 
 
+@pytest.mark.parametrize("bandwidth_Hz", [66.0, 68.0, 70.0, 72.0, 76.0])
+def test_the_line_ends_between_lines_as_it_does_on_one(bandwidth_Hz: float) -> None:
+    lines = np.unique(np.geomspace(1.0, 400.0, 13).round())
+    response = _two_poles(lines, 0.35)
+    phase, error = np.unwrap(np.angle(response)), np.full(len(lines), 1e-5)
+    found = response_delay(lines, np.abs(response), phase, error, Point(bandwidth_Hz, 0.0), _BASIS)
+    assert abs(found.value - _of_all_frequencies(bandwidth_Hz)) < 2.0 * _standard(found)
+
+
+def test_many_lines_give_the_delay_to_a_part_in_a_million() -> None:
+    frequency_Hz = np.arange(1.0, 200.0, 1.0)
+    found = _delay(frequency_Hz, _two_poles(frequency_Hz, 0.35), Point(70.4, 0.0))
+    assert found.value == pytest.approx(_of_all_frequencies(70.4), rel=5e-7)
+
+
+def _of_all_frequencies(bandwidth_Hz: float) -> float:
+    fine_Hz = bandwidth_Hz * (0.1 + 0.9 * (np.arange(50_000) + 0.5) / 50_000)
+    slope = np.polyfit(fine_Hz, np.unwrap(np.angle(_two_poles(fine_Hz, 0.35))), 1)[0]
+    return -float(slope) / (2.0 * math.pi)
+
+
 def test_a_lowest_frequency_less_changes_nothing() -> None:
     frequency_Hz = np.arange(0.5, 200.0, 0.5)
     response = _two_poles(frequency_Hz, 0.5)
