@@ -260,24 +260,26 @@ class ResponseCurve:
             return self.greatest()
         place = self.frequency_Hz**2
         near = np.abs(place / place[top] - 1.0) <= _REACH  # beyond it the inverse square grows without bound
-        inverse = 10.0 ** (-0.1 * (self.values[near] - self.smooth[top]))
-        error = inverse * self.error[near] / _NEPER_OF_POWER_DB
-        square = ResponseCurve(place[near], inverse, error, 1.0)
+        square = _of_inverse_square(
+            place[near], self.values[near] - self.smooth[top], self.error[near], float(place[top])
+        )
         # of several alike the top is one that errors have raised, by its own, the greatest of so many
         own, greatest = float(self._smooth_error[top]), self.greatest()
         raised = max(0.0, min(float(self.smooth[top]) - greatest[0], own * self._greatest_error))
-        is_followed = len(inverse) > 2 * _FEWEST and square._is_followed(float(place[top]))
+        is_followed = len(square.values) > 2 * _FEWEST and square._is_followed(float(place[top]))
         if not is_followed and self.between is not None:
             found, standard = self._greatest_between(top, self.between)
             return found - raised, standard
         vertex = square.least_near(float(place[top])) if is_followed else None
         if vertex is None:
             return greatest
-        least, standard, by_place = vertex
+        least, standard, by_place, within = vertex
         standard, by_place = (_NEPER_OF_POWER_DB * each / least for each in (standard, by_place))
-        # a least-squares fit has as much of the error of one of its values as their variances are alike
-        raised = max(0.0, min(1.0, (standard / own) ** 2) * raised - by_place)
-        return float(self.smooth[top]) - 10.0 * math.log10(least) - raised, standard
+        # a least-squares fit has as much of the error of one of its values as their variances are alike,
+        # and none where all that may be the greatest are in it: those that are not are as much too low
+        peak = float(self.smooth[top]) - 10.0 * math.log10(least)
+        share = min(1.0, (standard / own) ** 2) * self._is_greatest_beyond(np.sqrt(within), peak)
+        return peak - max(0.0, share * raised - by_place), standard
 
     @property
     def _greatest_error(self) -> float:
@@ -303,10 +305,16 @@ class ResponseCurve:
             found.append((float(values[place]), float(errors[place])))
         return max(found)
 
-    def least_near(self, start: float) -> tuple[float, float, float] | None:
-        """Return the least value near a place, its standard uncertainty, and what is in it against errors
-        that place it where they lower it; None where the values of a local fit are not least within it, or
-        not above zero there."""
+    def _is_greatest_beyond(self, between_Hz: Floats, peak: float) -> float:
+        """Return how probable it is that the greatest of values that are a peak's at most is not between two
+        frequencies."""
+        at_Hz = self.frequency_Hz[np.argmax(np.minimum(self.smooth, peak) + self._drawn, axis=1)]
+        return float(np.mean((at_Hz < between_Hz[0]) | (at_Hz > between_Hz[1])))
+
+    def least_near(self, start: float) -> tuple[float, float, float, Floats] | None:
+        """Return the least value near a place, its standard uncertainty, what is in it against errors that
+        place it where they lower it, and between which places; None where the values of a local fit are not
+        least within it, or not above zero there."""
         for _ in range(_VERTICES):
             short, long = self._fits(start)
             place = short.vertex
@@ -321,15 +329,18 @@ class ResponseCurve:
         left = _LEFT_OF_CHANGE * (long.value_at(other) - least)
         least += by_place
         standard = math.hypot(short.error_at(place), left, short.left_out(place), by_place)
-        return (least, standard, by_place) if least > _CLEAR * standard else None
+        within = start * np.array([max(0.0, 1.0 - short.reach), 1.0 + short.reach])
+        return (least, standard, by_place, within) if least > _CLEAR * standard else None
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest value, less what the errors add to it, and its standard uncertainty."""
-        widths = self._widths
-        random = np.random.default_rng(_SEED)
-        drawn = random.standard_normal((_DRAWS, len(self.values))) * self.error
-        errors = np.array([_running_mean(each, self._weights, widths) for each in drawn])
-        return NoisyCurve(self.smooth, errors).greatest()
+        return NoisyCurve(self.smooth, self._drawn).greatest()
+
+    @cached_property
+    def _drawn(self) -> Floats:
+        """Errors that the smooth values may have, shape (draws, n)."""
+        drawn = np.random.default_rng(_SEED).standard_normal((_DRAWS, len(self.values))) * self.error
+        return np.array([_running_mean(each, self._weights, self._widths) for each in drawn])
 
     @cached_property
     def smooth(self) -> Floats:
@@ -399,6 +410,21 @@ class ResponseCurve:
         if not found:
             found.append(LocalParabola.through(places, self.values, self._weights, self._scatter))
         return found[max(0, len(found) - 2)], found[-1]
+
+
+def _of_inverse_square(place: Floats, above_dB: Floats, error_dB: Floats, start: float) -> ResponseCurve:
+    """Return the inverse squares of gains that are so much above that at a place, all of shape (n,), without
+    what errors add to them on average.
+
+    Their errors are those of a parabola that describes them: by its own an inverse square that errors lower
+    would count more.
+    """
+    relative = error_dB / _NEPER_OF_POWER_DB
+    inverse = 10.0 ** (-0.1 * above_dB) / (1.0 + 0.5 * relative**2)
+    _, long = ResponseCurve(place, inverse, inverse * relative, 1.0)._fits(start)
+    course = np.polynomial.polynomial.polyval(place / start - 1.0, long.coefficients)
+    is_on = long.describes & (np.abs(place / start - 1.0) <= long.reach) & (course > 0.0)
+    return ResponseCurve(place, inverse, np.where(is_on, course, inverse) * relative, 1.0)
 
 
 def _running_mean(values: Floats, weights: Floats, widths: NDArray[np.int64]) -> Floats:
