@@ -289,7 +289,7 @@ SECTIONS: Final = (
         "Frequency response: bandwidth, resonance, margins and gain at rest",
         "The numbers that are read off a response (`benchtool.analysis.responses`).",
         """
-        0160 0187 0228 0243 0335
+        0160 0187 0228 0243 0335 0450
         0208 0229 0271 0444 0460
         0209 0270 0294 0315 0346 0355 0462
         """,
