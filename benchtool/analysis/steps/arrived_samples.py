@@ -18,11 +18,9 @@ from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.statistics.clicks import clicks_apart
 from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
-from benchtool.analysis.statistics.scatter import (
-    error_of_record,
-    error_of_series,
-)
+from benchtool.analysis.statistics.scatter import error_of_record, error_of_series
 from benchtool.analysis.statistics.tail import tail_index, tail_indices_of_heavy
+from benchtool.analysis.steps.converter_levels import left_beside_a_line
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise
@@ -125,7 +123,7 @@ class ArrivedSamples:
             at_rest=end - rest,
             noise=noise,
             step=step,
-            left=left_of_steps(noise.rms, step),
+            left=max(left_of_steps(noise.rms, step), left_beside_a_line(samples[rest:], step)),
         )
 
     @property

@@ -6,6 +6,7 @@ widths there and in the levels before tell.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,6 +18,12 @@ Rows = NDArray[np.int64]
 
 HIDES = 0.5
 """Of a step: noise of so much rms leaves hardly anything of its errors in a mean."""
+
+_FEWEST = 20  # samples
+_OF_A_LINE, _BESIDE = 0.8, 2  # of the power; bins to either side under a Hann window
+_AMPLITUDES = np.linspace(0.9, 1.1, 9)  # as well as readings in steps tell that of a line
+_HARMONICS = 4  # of the errors of steps
+_PHASES = (np.arange(64) + 0.5) * (2.0 * math.pi / 64)
 
 _EDGE = 0.5  # of a step, from the middle of a level
 _WIDER = 1  # rows, as both ends are uncertain by
@@ -116,3 +123,34 @@ def _around(levels: Rows, least: int, row: int) -> tuple[int, ...]:
     low = np.flatnonzero(levels < least)
     at = int(np.searchsorted(low, row))
     return (int(low[at - 1]) + 1, int(low[at]) - 1) if 0 < at < len(low) else ()
+
+
+def left_beside_a_line(at_rest: Floats, step: float) -> float:
+    """Return the standard uncertainty that a converter's `step` leaves in the mean of samples at rest, shape
+    (n,), that one line makes most of: a ripple of a step and more hides its steps far less than noise of the
+    same rms does. 0 of others.
+
+    The harmonic k of the rounding error has a mean of step / (k pi) times the characteristic function, at
+    2 pi k / step, of what moves the samples: J0(2 pi k A / step) of a line of amplitude A,
+    exp(-2 (pi k rms / step)^2) of noise.
+    """
+    if not step > 0.0 or len(at_rest) < _FEWEST:
+        return 0.0
+    read = float(np.var(at_rest))
+    power = np.abs(np.fft.rfft((at_rest - np.mean(at_rest)) * np.hanning(len(at_rest)))) ** 2
+    whole = float(np.sum(power))
+    if not whole > 0.0:
+        return 0.0
+    top = int(np.argmax(power))
+    line = float(np.sum(power[max(0, top - _BESIDE) : top + _BESIDE + 1])) / whole * read
+    square = read - step**2 / 12.0  # without what the steps add themselves, at other frequencies
+    if not line > _OF_A_LINE * square:
+        return 0.0
+    noise = max(0.0, square - line) / step**2
+    turns = 2.0 * math.pi * math.sqrt(2.0 * line) / step * _AMPLITUDES
+    left = 0.0
+    for k in range(1, _HARMONICS + 1):
+        of_line = np.mean(np.cos(k * np.outer(turns, np.sin(_PHASES))), axis=1)
+        of_noise = math.exp(-2.0 * noise * (math.pi * k) ** 2)
+        left += float(np.mean(of_line**2)) * (of_noise / k) ** 2
+    return step / (math.sqrt(2.0) * math.pi) * math.sqrt(left)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.converter_levels import at_turns, within_levels
+from benchtool.analysis.steps.converter_levels import at_turns, left_beside_a_line, within_levels
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
 
@@ -93,3 +93,30 @@ def test_a_lobe_that_just_reaches_a_level_has_left_a_band_or_not(beyond: float) 
     assert abs(found.place - truth) < 2.0 * found.standard + 0.5
     assert abs(found.place - truth) < 6.0
     assert found.standard < 12.0
+
+
+@pytest.mark.parametrize("amplitude", [0.7, 1.0, 1.6, 2.4])
+def test_a_ripple_of_a_step_and_more_does_not_hide_the_steps(amplitude: float) -> None:
+    step, errors, stated = 0.1, [], []
+    for seed in range(150):
+        random = np.random.default_rng(seed)
+        size = step * amplitude * random.uniform(0.93, 1.07)
+        phase = 0.0731 * np.arange(1500) + random.uniform(0.0, 2.0 * np.pi)
+        offset = random.uniform(0.0, step)
+        ripple = size * np.cos(phase) + 0.02 * step * random.standard_normal(len(phase))
+        read = step * np.round((ripple + offset) / step) - offset
+        errors.append(float(np.mean(read - ripple)))
+        stated.append(left_beside_a_line(read, step))
+    assert 0.7 < np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(stated))) < 1.4
+
+
+def test_what_no_line_makes_is_not_that_of_a_line() -> None:
+    random = np.random.default_rng(0)
+    assert left_beside_a_line(np.round(random.standard_normal(1000)), 1.0) == 0.0
+    assert left_beside_a_line(np.ones(1000), 1.0) == 0.0
+    line = 1.3 * np.cos(0.3 * np.arange(1000))
+    assert left_beside_a_line(line, 0.0) == 0.0
+    noisy, quiet = (
+        left_beside_a_line(np.round(line + size * random.standard_normal(1000)), 1.0) for size in (0.3, 0.0)
+    )
+    assert noisy < 0.5 * quiet  # which hides them
