@@ -216,6 +216,8 @@ def _steps(what: SensedSteps, random: np.random.Generator) -> Iterator[Compared]
     found = analyze_block(block, MOTOR, calibration=Calibration(bench))
     rms_Nm = math.sqrt(0.5 * sum(a * a for a in orders.values()) + noise_Nm**2)
     truths = of_ripple(mean_Nm, rms_Nm, rated=MOTOR.T_N_Nm) | of_orders(orders, POLE_PAIRS, HIGHEST_ORDER)
+    largest = max(orders, key=lambda k: orders[k])
+    truths |= {"torque_line_frequency": largest * f_Hz / POLE_PAIRS, "torque_line_amplitude": orders[largest]}
     yield from selected(found.measurements, truths)
 
 

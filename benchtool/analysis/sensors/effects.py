@@ -24,7 +24,13 @@ from benchtool.analysis.sensitivity import (
     Sensitivity,
 )
 from benchtool.analysis.sensors.lag import Estimate, Lag, Response
-from benchtool.analysis.sensors.waveform import Waveform, by_steps, enlarged_harmonics, enlarged_largest
+from benchtool.analysis.sensors.waveform import (
+    Waveform,
+    by_steps,
+    enlarged_harmonics,
+    enlarged_largest,
+    moved_small_line,
+)
 from benchtool.analysis.uncertainty import coverage_factor
 
 _ROOT_3: Final = math.sqrt(3.0)
@@ -181,6 +187,8 @@ def moved_by_steps(
         return part.resolution * resolution
     scale = part.gain if isinstance(content, Component) else each.value
     moved = by_steps(waveform, resolution, feature)
+    if isinstance(content, Line | Component):
+        moved = math.hypot(moved, moved_small_line(waveform, resolution, read))
     if isinstance(content, Line | Power) and waveform.peak_to_peak < _FEW_STEPS * resolution:
         moved = max(moved, resolution / math.sqrt(12.0))
     return abs(scale) * moved / read

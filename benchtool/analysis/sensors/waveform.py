@@ -209,6 +209,20 @@ class Waveform:
         return max(0.0, noise2 - most * step**2), max(0.0, noise2 - least * step**2)
 
 
+def moved_small_line(waveform: Waveform, step: float, amplitude: float) -> float:
+    """Return the standard uncertainty of a line, of an amplitude of a part of a step, by what the steps do to
+    all that is as small: as much as moves the samples of a waveform alike to another level."""
+    if not 0.0 < amplitude < _OF_A_STEP * step:
+        return 0.0
+    changes = []
+    for k, (before, _) in enumerate(waveform.in_steps(step)):
+        up, down = (
+            in_steps(before.samples + moved, step, (k + 0.5) / _DRAWS) for moved in (amplitude, -amplitude)
+        )
+        changes.append(float(np.mean(up - down)) / 2.0 - amplitude)
+    return math.sqrt(sum(change**2 for change in changes) / len(changes))
+
+
 def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Floats:
     """Return what further sensors of that response make of samples, shape (n,); with `times` = -1 what they
     were before one.

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from scipy import special
 
-from benchtool.analysis.sensors.waveform import Waveform, by_steps
+from benchtool.analysis.sensors.waveform import Waveform, by_steps, moved_small_line
 
 RATE_HZ, STEP = 10_000.0, 0.1
 
@@ -51,3 +52,16 @@ def test_noise_of_a_step_before_it_was_read_leaves_no_error_of_the_mean() -> Non
     assert by_steps(Waveform(read, RATE_HZ), STEP, lambda of: of.mean) < 0.02 * STEP
     still = Waveform(1.0 + 0.05 * STEP * random.standard_normal(20_000), RATE_HZ)
     assert by_steps(still, STEP, lambda of: of.mean) == pytest.approx(STEP / math.sqrt(12.0), rel=0.05)
+
+
+@pytest.mark.parametrize("steps", [1.0, 2.0, 3.3])
+def test_steps_move_a_small_line_by_what_a_large_one_leaves_of_them(steps: float) -> None:
+    """The mean slope of the readings is 1 + 2 sum((-1)^k J_0(2 pi k A / q) cos(2 pi k x_0 / q)), of a large
+    line of amplitude A about x_0 (Widrow and Kollar, Quantization Noise, 2008, ch. 19)."""
+    count, small = 20_000, 0.1
+    large = steps * np.cos(2 * np.pi * 0.0137 * np.arange(count))
+    waveform = Waveform(large + 0.02 * np.random.default_rng(1).standard_normal(count), 1.0)
+    expected = math.sqrt(sum(2.0 * float(special.j0(2.0 * np.pi * k * steps)) ** 2 for k in range(1, 4)))
+    assert moved_small_line(waveform, 1.0, small) == pytest.approx(small * expected, rel=0.35)
+    assert moved_small_line(waveform, 1.0, 0.3) == 0.0
+    assert moved_small_line(waveform, 1.0, 0.0) == 0.0
