@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 RATE_HZ, TORQUE_NM, RIPPLE_NM = 8_000.0, 1.8, 0.06
 
+_NOISE = 2e-4  # of a flux, relative to its radius
+
 
 @dataclass(frozen=True)
 class Shaft:
@@ -146,16 +148,19 @@ def _path(what: Path, random: np.random.Generator) -> Iterator[Compared]:
         radius += 0.01 * breath[revolution]
     hexagon = fifth * np.exp(-5j * angle + 0.4j) + seventh * np.exp(7j * angle + 0.4j)
     psi = RADIUS_WB * (radius * (np.exp(1j * angle) + hexagon) + centre * np.exp(2.0j))
-    psi += 2e-4 * RADIUS_WB * (random.standard_normal(count) + 1j * random.standard_normal(count))
+    psi += _NOISE * RADIUS_WB * (random.standard_normal(count) + 1j * random.standard_normal(count))
+    around = 2 * np.pi * np.arange(720) / 720
+    hexagon = fifth * np.exp(-5j * around + 0.4j) + seventh * np.exp(7j * around + 0.4j)
+    size = np.abs(np.exp(1j * around) + hexagon + centre * np.exp(2.0j))
+    breathes = 0.01 if what.memory else 0.0
+    square = float(np.var(size)) + (breathes * np.mean(size)) ** 2 + what.drift**2 / 12.0 + _NOISE**2
     truths = {
+        "flux_radius_mean": RADIUS_WB * float(np.mean(size)),
+        "flux_radius_rms": RADIUS_WB * math.sqrt(square),
+        "flux_radius_pp": OF_THE_ENSEMBLE,
         "flux_centre_offset": RADIUS_WB * centre,
         "flux_radius_order_6": RADIUS_WB * abs(fifth * np.exp(-0.4j) + seventh * np.exp(0.4j)),
     }
-    if what.memory:
-        around = 2 * np.pi * np.arange(720) / 720
-        own = np.exp(1j * around) + fifth * np.exp(-5j * around + 0.4j) + seventh * np.exp(7j * around + 0.4j)
-        size = np.abs(own + centre * np.exp(2.0j))
-        truths = {"flux_radius_rms": RADIUS_WB * math.sqrt(float(np.var(size)) + (0.01 * np.mean(size)) ** 2)}
     units = {"psi_alpha": "Wb", "psi_beta": "Wb"}
     block = Block.from_arrays(RATE_HZ, units, psi_alpha=psi.real, psi_beta=psi.imag)
     yield from selected(flux_trajectory(block), truths)
