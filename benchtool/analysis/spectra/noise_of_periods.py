@@ -24,6 +24,7 @@ _FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it i
 _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
 _FEWEST_TO_SCATTER = 4  # powers
 _BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
+_MANY_PERIODS = 32  # in which a phase moves so slowly that differences hardly show what is left of it
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
@@ -66,7 +67,8 @@ def without_changes(
     but for what it leaves in the period that it is in. There is none where too few differences tell it, or
     more of them have more than a step would leave.
 
-    Where they do not have less, what may be left of a phase that was followed is no more than they allow.
+    Where they do not have less, what may be left of a phase that was followed over many periods is no more
+    than they allow.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
@@ -74,7 +76,8 @@ def without_changes(
     if floor.amplitude < _BESIDE_STEPS * of_steps:
         return floor
     changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
-    if not changes and not floor.of_rest:
+    tells_rest = floor.of_rest > 0.0 and samples.periods >= _MANY_PERIODS
+    if not changes and not tells_rest:
         return floor
     found = _differences(samples)
     from_first = noise_floor(spectrum, 1.0) or floor
@@ -84,6 +87,8 @@ def without_changes(
     is_less = 0.0 < ratio < (1.0 if has_stepped else _LEAST)
     if found.has_bursts or found.variance > _MOST_VARIANCE:
         return None if changes and is_less else floor
+    if not is_less and not tells_rest:
+        return floor
     if not is_less:
         least = max(0.0, ratio * (1.0 - math.sqrt(found.variance)))
         return replace(floor, of_rest=min(floor.of_rest, max(0.0, 1.0 - math.sqrt(least)) / math.sqrt(3.0)))
