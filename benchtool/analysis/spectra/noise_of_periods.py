@@ -67,8 +67,8 @@ def without_changes(
     but for what it leaves in the period that it is in. There is none where too few differences tell it, or
     more of them have more than a step would leave.
 
-    Where they do not have less, what may be left of a phase that was followed over many periods is no more
-    than they allow.
+    Where they do not have less, what may be left of a phase that follows the signal over many periods is no
+    more than they allow; the counts of an angle leave fast errors.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
@@ -76,7 +76,7 @@ def without_changes(
     if floor.amplitude < _BESIDE_STEPS * of_steps:
         return floor
     changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
-    tells_rest = floor.of_rest > 0.0 and samples.periods >= _MANY_PERIODS
+    tells_rest = follows_signal and floor.of_rest > 0.0 and samples.periods >= _MANY_PERIODS
     if not changes and not tells_rest:
         return floor
     found = _differences(samples)
