@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.quantisation.vector_steps import vectors_as_read
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
@@ -31,6 +32,8 @@ _SQRT3 = math.sqrt(3.0)
 _VECTORS = 7  # the zero vectors 0 and 7 count as one: the voltage is the same
 _FEWEST_OF_A_SCATTER = 20  # samples
 _USED = 1e-5  # of a period, above the rounding of single-precision voltages
+_LARGEST_STEP = 0.1  # of the dc link: larger ones are the inverter's own, in laws of single vectors
+_RESOLUTION = "resolution of the voltages"
 
 # Vector 1 ... 6 lies at (k - 1) 60 degrees: 100, 110, 010, 011, 001, 101.
 _ONE_LEG_HIGH = np.array([1, 3, 5])  # by the leg that is high
@@ -150,25 +153,55 @@ def switching_states(block: Block) -> SwitchingStates:
     u_dc = block.column("u_dc")
     require_dc_link(u_dc)
     require_finite_channels(block, ("u_alpha", "u_beta", "u_dc"))
-    shares = vector_shares(block.column("u_alpha"), block.column("u_beta"), u_dc)
+    u_alpha, u_beta = block.column("u_alpha"), block.column("u_beta")
+    shares = vector_shares(u_alpha, u_beta, u_dc)
     rate_Hz = block.sample_rate_Hz
     basis = Basis(len(shares), rate_Hz, len(shares) / rate_Hz, reference="the PWM period", gaps=0)
-    return SwitchingStates(tuple(_numbers(shares, basis)), (_table(shares, basis),), shares)
+    numbers = _numbers(shares, basis, _errors_of_steps(u_alpha, u_beta, float(np.mean(u_dc))))
+    return SwitchingStates(tuple(numbers), (_table(shares, basis),), shares)
 
 
-def _numbers(shares: NDArray[np.float64], basis: Basis) -> list[Measurement]:
-    zero = 100.0 * shares[:, 0]
-    active = np.sum(shares[:, 1:] > _USED, axis=1).astype(np.float64)
+def _errors_of_steps(
+    u_alpha: NDArray[np.float64], u_beta: NDArray[np.float64], u_dc: float
+) -> tuple[float, float]:
+    """Return the rms error of the mean zero share, %, and of the mean number of active vectors, by the steps
+    in which the voltages are read."""
+    moved = []
+    for drawn in vectors_as_read(u_alpha, u_beta, _LARGEST_STEP * u_dc):
+        before, on_average, once = (vector_shares(u.real, u.imag, np.full(len(u), u_dc)) for u in drawn)
+        of_zero = 100.0 * float(np.mean(on_average[:, 0] - before[:, 0]))
+        moved.append((of_zero, float(np.mean(_active(once) - _active(before)))))
+    if not moved:
+        return 0.0, 0.0
+    zero, active = np.sqrt(np.mean(np.square(moved), axis=0))
+    return float(zero), float(active)
+
+
+def _active(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the number of active vectors that each period has."""
+    return np.sum(shares[:, 1:] > _USED, axis=1).astype(np.float64)
+
+
+def _numbers(shares: NDArray[np.float64], basis: Basis, of_steps: tuple[float, float]) -> list[Measurement]:
+    by_zero, by_active = ([Contribution(_RESOLUTION, "B", each)] if each else [] for each in of_steps)
     return [
-        _mean(zero, "zero_vector_share", "%", "mean share of a PWM period without voltage, T_0 / T_s", basis),
         _mean(
-            active,
+            100.0 * shares[:, 0],
+            "zero_vector_share",
+            "%",
+            "mean share of a PWM period without voltage, T_0 / T_s",
+            basis,
+            *by_zero,
+        ),
+        _mean(
+            _active(shares),
             "active_vectors_mean",
             "",
             "mean number of active vectors in a PWM period",
             basis,
+            *by_active,
             # a period with another number may come next, though none has been seen
-            Contribution("one period of another number, rectangular", "B", 1.0 / (_SQRT3 * len(active))),
+            Contribution("one period of another number, rectangular", "B", 1.0 / (_SQRT3 * len(shares))),
         ),
     ]
 
@@ -234,7 +267,7 @@ SWITCHING_STATES: Final = Analysis(
             "mean of `T_0 / T_s`",
             "scatter over 64 parts of the record with their correlation, or the five lowest frequencies "
             "where these hold less than a fifth of that, or the density continued to zero frequency where "
-            "that is 1.4 times as much",
+            "that is 1.4 times as much; resolution of the voltages, by vectors that would be read alike",
         ),
         Quantity(
             ("active_vectors_mean",),

@@ -77,6 +77,47 @@ def test_no_time_is_left_for_zero_vectors_beyond_the_hexagon() -> None:
     assert np.all(beyond[:, 0] == 0.0)
 
 
+def _of_turning(step_V: float, noise_V: float, random: np.random.Generator) -> tuple[float, float]:
+    """Return zero share and its standard uncertainty of 42 V that turn, read in steps at any level."""
+    angle = 2.0 * np.pi * (23.7e-4 * np.arange(6000) + random.random())
+    axes = 42.0 * np.stack([np.cos(angle), np.sin(angle)]) + noise_V * random.standard_normal((2, 6000))
+    level = step_V * random.random((2, 1))
+    u_alpha, u_beta = np.round((axes - level) / step_V) * step_V + level
+    block = Block.from_arrays(1e4, {}, u_alpha=u_alpha, u_beta=u_beta, u_dc=np.full(6000, 120.0))
+    share = {each.name: each for each in switching_states(block).measurements}["zero_vector_share"]
+    assert share.uncertainty is not None
+    return share.value, share.uncertainty.standard
+
+
+def test_steps_that_a_turning_voltage_is_read_wrong_by_in_every_period_are_in_the_budget() -> None:
+    random, errors = np.random.default_rng(11), []
+    # the greatest minus the least phase is on average 3 / pi times sqrt(3) of the size
+    truth = 100.0 * (1.0 - 3.0 * math.sqrt(3.0) / math.pi * 42.0 / 120.0)
+    for step_V in (1.5, 2.1, 3.0):
+        for _ in range(12):
+            value, standard = _of_turning(step_V, 0.05, random)
+            errors.append((value - truth) / standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_steps_that_noise_hides_add_nothing_to_a_zero_share() -> None:
+    _, hidden = _of_turning(0.1, 0.1, np.random.default_rng(5))
+    _, fine = _of_turning(1e-7, 0.1, np.random.default_rng(5))
+    assert hidden == pytest.approx(fine, rel=0.2)
+
+
+def test_the_vectors_of_a_law_of_single_ones_are_no_steps_of_a_converter() -> None:
+    random = np.random.default_rng(2)
+    vector = 80.0 * np.exp(1j * np.pi / 3.0 * np.floor(6.0 * 23.7e-4 * np.arange(6000)))
+    vector *= random.random(6000) < 0.6
+    block = Block.from_arrays(
+        1e4, {}, u_alpha=vector.real, u_beta=vector.imag, u_dc=np.full(6000, 120.0)
+    )  # fmt: skip
+    for each in switching_states(block).measurements:
+        assert each.uncertainty is not None
+        assert not any("resolution" in line.name for line in each.uncertainty.budget)
+
+
 def test_refusals() -> None:
     with pytest.raises(AnalysisError, match="'u_dc' is 0 V in places"):
         switching_states(_block((1.0, 0.0, 300.0), (1.0, 0.0, 0.0)))
