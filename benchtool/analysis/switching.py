@@ -179,7 +179,7 @@ def _errors_of_steps(
 
 def _active(shares: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the number of active vectors that each period has."""
-    return np.sum(shares[:, 1:] > _USED, axis=1).astype(np.float64)
+    return np.asarray(np.sum(shares[:, 1:] > _USED, axis=1), np.float64)
 
 
 def _numbers(shares: NDArray[np.float64], basis: Basis, of_steps: tuple[float, float]) -> list[Measurement]:

@@ -12,6 +12,7 @@ _BY_CHANCE = 10.0  # times the mean of the least distance between as many values
 _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
+_OF_DOUBLES = 1e-13  # of the greatest value: what a few sums and products round by
 _ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
 _MOST_PLACES, _OF_A_DIGIT, _LEAST_OF_TEXT = 10, 1e-4, 1e-280
 _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
@@ -35,10 +36,11 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     """Return resolution of samples, shape (n,), where it is that of a converter; 0 where it is no such step.
 
     A smaller step than a hundred-thousandth of the peak-to-peak is the last digit of a number. Of n values
-    anywhere the two nearest are peak-to-peak / n^2 apart on average, which is no step either.
+    anywhere the two nearest are peak-to-peak / n^2 apart on average, which is no step either. Values that
+    differ by rounding alone, as an angle does from turn to turn, are one.
     """
     few = _few(samples)
-    values = np.unique(few)
+    values = _but_for_rounding(np.unique(few))
     if len(values) < 2:
         return 0.0
     step, span = _step_of(values), float(values[-1] - values[0])
@@ -58,6 +60,14 @@ def step_between(values: NDArray[np.float64], levels: float) -> float:
 
 def _few(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     return samples[:: max(1, len(samples) // _LOOKED_AT)]
+
+
+def _but_for_rounding(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rising values, shape (n,), of which none differs from the one before by rounding alone."""
+    if not len(values):
+        return values
+    rounding = _OF_DOUBLES * float(np.max(np.abs(values)))
+    return values[np.diff(values, prepend=-np.inf) > rounding]
 
 
 def _step_of(values: NDArray[np.float64]) -> float:

@@ -186,6 +186,30 @@ def test_the_angle_between_the_steps_of_an_encoder_is_smooth() -> None:
     assert smooth_angle(exact) == pytest.approx(exact)
 
 
+def test_an_angle_whose_levels_round_otherwise_in_each_turn_is_read_in_steps() -> None:
+    angle = 20.0 + 46.0 * T_S * np.arange(4000.0) + 5.0 * np.sin(2.0 * np.pi * 5.0 * T_S * np.arange(4000.0))
+    step = 2.0 * np.pi / 10_000
+    read = np.mod((np.floor(angle / step) + 0.5) * step, 2.0 * np.pi)
+    places = np.unique(read)
+    assert np.min(np.diff(places)) < 1e-12  # one count has several values
+    smooth = smooth_angle(read)
+    smooth -= 2.0 * np.pi * round(float(np.mean(smooth - angle)) / (2.0 * np.pi))
+    assert np.sqrt(np.mean((smooth - angle) ** 2)) < 0.6 * step / math.sqrt(12.0)
+
+
+def test_a_corner_in_the_motion_does_not_set_the_smoothing_elsewhere() -> None:
+    """One smoothing of the whole record would leave thirty times the error a fifth of it away."""
+    t = T_S * np.arange(5000.0)
+    going = 0.3 + 40.0 * np.minimum(t, 0.25) + 0.4 * np.sin(2.0 * np.pi * 4.0 * np.minimum(t, 0.25))
+    on = 0.3 + 40.0 * t + 0.4 * np.sin(2.0 * np.pi * 4.0 * t)
+    step, errors = 2.0 * np.pi / 10_000, []
+    for angle in (going, on):
+        smooth = smooth_angle(np.mod((np.floor(angle / step) + 0.5) * step, 2.0 * np.pi))
+        smooth -= 2.0 * np.pi * round(float(np.mean(smooth - angle)) / (2.0 * np.pi))
+        errors.append(float(np.std(np.diff(smooth - angle)[:1500])))
+    assert errors[0] < 4.0 * errors[1]
+
+
 def test_an_angle_that_turns_evenly_is_left_alone() -> None:
     """The smoothest curve is found of what departs from a parabola, whose size would round it off."""
     turned = 0.3 + 0.004 * np.arange(2000.0)
