@@ -119,7 +119,7 @@ SECTIONS: Final = (
         0133 0169 0173 0191 0174
         0153 0172 0184
         0154 0185
-        0120 0121 0122 0455
+        0120 0121 0122 0455 0466
         """,
     ),
     Section(
@@ -184,7 +184,7 @@ SECTIONS: Final = (
         "Quantisation: steps of converters and encoders",
         "What quantisation does to a number, and how its step is found (`benchtool.analysis.quantisation`).",
         """
-        0046 0076 0222 0279 0282 0291 0249 0378 0239 0371
+        0046 0076 0222 0279 0282 0291 0249 0378 0239 0371 0465
         0345 0342 0331 0181 0339 0365 0377 0409 0475 0427 0468
         """,
     ),
