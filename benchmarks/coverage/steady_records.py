@@ -21,6 +21,7 @@ RATED_A_RMS = 4.0
 HARMONICS: Mapping[int, float] = {5: 0.03, 7: 0.02}
 TORQUE_NM, RIPPLE_NM, COGGING_NM = 2.0, 0.1, 0.05
 RIPPLE_ORDER, COGGING_ORDER = 6 * POLE_PAIRS, 3 * POLE_PAIRS
+RIPPLE_RAD, COGGING_RAD = 0.3, 1.1
 CREST = 6.0  # of narrow crests, exp(CREST (cos - 1)): how narrow they are
 TEETH = 5  # of the sawtooth, in a period
 TOOTH_ORDER = TEETH * POLE_PAIRS
@@ -150,7 +151,7 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
 
     theta_true = theta_e / POLE_PAIRS
     # between the levels of a converter the extremes are anywhere; without it the ensemble's are the truth
-    of_ripple, of_cogging = random.uniform(0, 2 * np.pi, 2) if is_clean(what) else (0.3, 1.1)
+    of_ripple, of_cogging = random.uniform(0, 2 * np.pi, 2) if is_clean(what) else (RIPPLE_RAD, COGGING_RAD)
     torque = what.torque_Nm + RIPPLE_NM * (1.0 + _by_period(what.ripple_noise, period, random)) * np.cos(
         RIPPLE_ORDER * theta_true + of_ripple
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping
 
@@ -20,6 +21,7 @@ from benchmarks.coverage.steady_records import (
     RATED_A_RMS,
     RIPPLE_NM,
     RIPPLE_ORDER,
+    RIPPLE_RAD,
     TOOTH_ORDER,
     TORQUE_NM,
     Disturbance,
@@ -108,7 +110,8 @@ def true_orders(what: Disturbance, highest: int) -> Mapping[str, float]:
     orders |= dict(enumerate(what.turns_Nm, 1))
     for k in range(1, HIGHEST_ORDER // RIPPLE_ORDER + 1):
         crest_Nm = 2.0 * what.peaked * math.exp(-CREST) * float(special.iv(k, CREST))
-        orders[k * RIPPLE_ORDER] += crest_Nm + (RIPPLE_NM if k == 1 else 0.0)
+        ripple_Nm = RIPPLE_NM * cmath.exp(1j * RIPPLE_RAD) if k == 1 else 0.0
+        orders[k * RIPPLE_ORDER] += abs(crest_Nm + ripple_Nm)
     height_Nm, jitter = what.sawtooth
     for k in range(1, HIGHEST_ORDER // TOOTH_ORDER + 1):
         orders[k * TOOTH_ORDER] += OF_THE_ENSEMBLE if height_Nm and jitter else height_Nm / (math.pi * k)
