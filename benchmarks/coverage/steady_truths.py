@@ -56,7 +56,8 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
     has_regimes = abs(what.second_regime - 1.0) > 0.1  # whose difference hides the harmonics too
     if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
         truths["current_max_low_harmonic"] = fundamental_A * max(what.harmonics.values(), default=0.0)
-    if spectrum is not None:
+    steps_each_period = what.alternates or what.amplitude_noise[0]  # how high, where a period begins tells
+    if spectrum is not None and not steps_each_period:
         floor_A = _noise_floor_A(what, made, spectrum)
         bin_Hz = RATE_HZ / spectrum.samples
         truths |= {
@@ -69,8 +70,6 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
 def _noise_floor_A(what: Disturbance, made: Record, spectrum: CoherentSpectrum) -> float:
     """Return the root of the mean square of a bin between the harmonics."""
     of_other_power = (
-        what.amplitude_noise[0],
-        what.alternates,
         what.frozen,
         what.spikes,
         what.time_jitter,
