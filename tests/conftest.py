@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 import threading
 from collections import Counter
@@ -26,6 +27,8 @@ from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf
 
 sys.dont_write_bytecode = False
+# A background job of a shell ignores Ctrl-C, and so would the workers and what they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Generated examples are the same in every run, and a busy machine fails no test. Others, and more of them, by
 # `--hypothesis-profile=thorough`.
