@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from benchmarks.coverage.channels import MOTOR
 from benchmarks.coverage.families import OF_THE_ENSEMBLE, Compared, families_of, selected
+from benchmarks.coverage.named_truths import of_ripple
 from benchmarks.coverage.noise import Kind as OfNoise, coloured, converted, noise_of
 from benchtool.analysis import Window, analyze_steady_state, torque_residual
 from benchtool.analysis.flux.ripple import FLUX_RIPPLE
@@ -131,18 +132,10 @@ def _shaft(what: Shaft, random: np.random.Generator) -> Iterator[Compared]:
     )
     clean = _is_clean(what.signal)
     low, high = np.percentile(before, [0.5, 99.5])
-    of = "transducer_torque"
     pp = float(np.ptp(before)) if clean else OF_THE_ENSEMBLE
+    percentile = float(high - low) if clean else OF_THE_ENSEMBLE
     rms = math.sqrt(_square(what.signal, sizes))
-    truths = {
-        f"{of}_mean": what.mean_Nm,
-        f"{of}_ripple_pp": pp,
-        f"{of}_ripple_rms": rms,
-        f"{of}_ripple_percentile_range": float(high - low) if clean else OF_THE_ENSEMBLE,
-    }
-    for base, name in ((what.mean_Nm, "mean"), (MOTOR.T_N_Nm, "rated")):
-        truths[f"{of}_ripple_percent_of_{name}"] = 100.0 * pp / base
-        truths[f"{of}_ripple_rms_percent_of_{name}"] = 100.0 * rms / base
+    truths = of_ripple(what.mean_Nm, rms, pp, percentile, MOTOR.T_N_Nm, "transducer_torque")
     yield from selected(steady.measurements, truths)
 
 
@@ -240,28 +233,24 @@ def _averaged(what: Signal, times: int) -> Signal:
 _SHAFT, _NOISE, _ANGLE = Shaft(), Signal(), Angle()
 
 
-def _with(**changes: object) -> Signal:
-    return replace(_NOISE, **changes)  # type: ignore[arg-type]
-
-
 SIGNALS: Mapping[str, Signal] = {
     "": _NOISE,
-    "_quiet": _with(noise=2e-4),
-    "_loud": _with(noise=0.2),
-    "_coloured": _with(colour=0.98),
-    "_slow_noise": _with(colour=0.9995),
-    "_pink": _with(kind="pink"),
-    "_heavy": _with(kind="heavy"),
-    "_bursts": _with(kind="bursts"),
-    "_resonant": _with(kind="resonant"),
-    "_line": _with(line=(33.7, 0.04)),
-    "_slow_line": _with(line=(1.9, 0.03)),
-    "_walk": _with(walk=0.03),
-    "_swells": _with(swells=(0.2, 0.0)),
-    "_swells_memory": _with(swells=(0.15, 0.7)),
-    "_two_regimes": _with(second_regime=1.6),
-    "_steps": _with(step=0.05),
-    "_coarse_steps": _with(step=0.05, noise=1e-3),
+    "_quiet": replace(_NOISE, noise=2e-4),
+    "_loud": replace(_NOISE, noise=0.2),
+    "_coloured": replace(_NOISE, colour=0.98),
+    "_slow_noise": replace(_NOISE, colour=0.9995),
+    "_pink": replace(_NOISE, kind="pink"),
+    "_heavy": replace(_NOISE, kind="heavy"),
+    "_bursts": replace(_NOISE, kind="bursts"),
+    "_resonant": replace(_NOISE, kind="resonant"),
+    "_line": replace(_NOISE, line=(33.7, 0.04)),
+    "_slow_line": replace(_NOISE, line=(1.9, 0.03)),
+    "_walk": replace(_NOISE, walk=0.03),
+    "_swells": replace(_NOISE, swells=(0.2, 0.0)),
+    "_swells_memory": replace(_NOISE, swells=(0.15, 0.7)),
+    "_two_regimes": replace(_NOISE, second_regime=1.6),
+    "_steps": replace(_NOISE, step=0.05),
+    "_coarse_steps": replace(_NOISE, step=0.05, noise=1e-3),
 }
 ANGLES: Mapping[str, Angle] = {
     "_few_periods": replace(_ANGLE, periods=4.6),
@@ -274,7 +263,7 @@ ANGLES: Mapping[str, Angle] = {
 SHAFTS: Mapping[str, Shaft] = {
     **{f"transducer{name}": Shaft(signal) for name, signal in SIGNALS.items()},
     **{f"transducer{name}": Shaft(angle=angle) for name, angle in ANGLES.items()},
-    "transducer_few_periods_coloured": Shaft(_with(colour=0.98), replace(_ANGLE, periods=6.4)),
+    "transducer_few_periods_coloured": Shaft(replace(_NOISE, colour=0.98), replace(_ANGLE, periods=6.4)),
     "transducer_drive_s_rate": Shaft(times=1.0),
     "transducer_slow": Shaft(times=0.2),
     "transducer_little_mean": Shaft(mean_Nm=0.05),

@@ -46,11 +46,15 @@ def _smooth(angle: Floats, step: float) -> Floats:
     """Return the smooth curve through the samples of an encoder of this step."""
     from scipy import ndimage
 
+    rows = np.arange(len(angle))
+    # third differences leave a parabola alone, whose size would be that of the rounding
+    even = Polynomial.fit(rows, angle, _ORDER - 1)(rows)
+    uneven = angle - even
     width = min(_AROUND, len(angle))
     smoothest = np.zeros(len(angle), dtype=np.int64)  # by its number, from one on; zero is none
     goes_on, is_whole = np.ones(len(angle), dtype=bool), True
     for number in range(1, len(_SMOOTHINGS) + 1):
-        beyond = np.abs(_curve(angle, np.where(goes_on, number, smoothest)) - angle) > _BEYOND * step
+        beyond = np.abs(_curve(uneven, np.where(goes_on, number, smoothest)) - uneven) > _BEYOND * step
         is_whole = is_whole and float(np.mean(beyond)) <= _SHARE_BEYOND
         if not is_whole:
             share = ndimage.uniform_filter1d(beyond.astype(np.float64), width, mode="nearest")
@@ -58,22 +62,19 @@ def _smooth(angle: Floats, step: float) -> Floats:
         if not np.any(goes_on):
             break
         smoothest[goes_on] = number
-    return _curve(angle, smoothest - _LESS)
+    return np.asarray(even + _curve(uneven, smoothest - _LESS))
 
 
-def _curve(angle: Floats, numbers: NDArray[np.int64]) -> Floats:
+def _curve(uneven: Floats, numbers: NDArray[np.int64]) -> Floats:
     """Return the curve with the smoothing of these numbers, shape (n,); below one, there is none."""
     from scipy.linalg import solveh_banded
 
     if not np.any(numbers > 0):
-        return angle
-    rows = np.arange(len(angle))
-    # third differences leave a parabola alone, whose size would be that of the rounding
-    even = Polynomial.fit(rows, angle, _ORDER - 1)(rows)
+        return uneven
     smoothing = np.where(numbers > 0, _SMOOTHINGS[np.maximum(numbers, 1) - 1], 0.0)
     bands = _squared_differences(smoothing)
     bands[-1] += 1.0
-    return np.asarray(even + solveh_banded(bands, angle - even))
+    return np.asarray(solveh_banded(bands, uneven))
 
 
 def _squared_differences(smoothing: Floats) -> Floats:

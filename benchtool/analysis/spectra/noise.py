@@ -215,10 +215,7 @@ def _additive(spectrum: CoherentSpectrum, follows_signal: bool) -> tuple[NDArray
     for order in orders[np.argsort(-moved)[:_MOVED_MOST]]:
         line = int(order) * periods
         reach = min(periods if order == 1 else periods // 2, len(bins) - line) - 1
-        towards = np.exp(-1j * np.angle(bins[line]))
-        above = bins[line + 1 : line + 1 + reach] * towards
-        below = np.conj(bins[line - reach : line][::-1] * towards)
-        in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
+        in_phase, quadrature = sidebands(bins, line, reach)
         if follows_signal and order == 1 and (followed := followed_bins(in_phase, quadrature)):
             square[line + 1 : line + 1 + followed] = 0.5 * in_phase[:followed]
             square[line - followed : line] = 0.5 * in_phase[:followed][::-1]
@@ -230,6 +227,17 @@ def _additive(spectrum: CoherentSpectrum, follows_signal: bool) -> tuple[NDArray
         # of c / d^2, whose mean from half to all of the reach is 2 c / reach^2: c / reach on one side beyond
         leaked += max(0.0, 0.5 * excess * reach) * (1 if order == 1 else 2)
     return square, leaked
+
+
+def sidebands(
+    bins: NDArray[np.complex128], line: int, reach: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return squares of what pairs of bins beside a line have in phase with it and in quadrature, from the
+    nearest on, each of shape (reach,)."""
+    towards = np.exp(-1j * np.angle(bins[line]))
+    above = bins[line + 1 : line + 1 + reach] * towards
+    below = np.conj(bins[line - reach : line][::-1] * towards)
+    return np.abs(above + below) ** 2, np.abs(above - below) ** 2
 
 
 def followed_bins(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]) -> int:

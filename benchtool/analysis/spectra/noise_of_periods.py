@@ -10,7 +10,13 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.spectra.noise import NoiseFloor, followed_bins, noise_floor, relative_to_found
+from benchtool.analysis.spectra.noise import (
+    NoiseFloor,
+    followed_bins,
+    noise_floor,
+    relative_to_found,
+    sidebands,
+)
 from benchtool.analysis.spectra.noise_over_time import ONE_LEVEL
 from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 
@@ -80,9 +86,9 @@ def without_changes(
     if not changes and not tells_rest:
         return floor
     found = _differences(samples)
-    from_first = noise_floor(spectrum, 1.0) or floor
     if found is None:
         return None if changes else floor
+    from_first = noise_floor(spectrum, 1.0) or floor
     ratio = found.from_first / from_first.amplitude**2 if from_first.amplitude > 0.0 else 0.0
     is_less = 0.0 < ratio < (1.0 if has_stepped else _LEAST)
     if found.has_bursts or found.variance > _MOST_VARIANCE:
@@ -164,10 +170,7 @@ def _changes(spectrum: CoherentSpectrum, evenness: float, follows_signal: bool) 
     reach = min(periods, len(bins) - periods) - 1
     if reach < 2:
         return False
-    towards = np.exp(-1j * np.angle(bins[periods]))
-    above = bins[periods + 1 : periods + 1 + reach] * towards
-    below = np.conj(bins[periods - reach : periods][::-1] * towards)
-    in_phase, quadrature = np.abs(above + below) ** 2, np.abs(above - below) ** 2
+    in_phase, quadrature = sidebands(bins, periods, reach)
     first = followed_bins(in_phase, quadrature) if follows_signal else 0
     powers = float(np.sum(in_phase[first:])), float(np.sum(quadrature[first:]))
     return first < reach and _is_more(max(powers), min(powers), evenness * (reach - first))

@@ -54,9 +54,7 @@ Floats = NDArray[np.float64]
 _BY_CHANCE = 0.1
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _MAY_BE_NOISE = 4.45  # times either part of the noise: by chance one magnitude in twenty thousand
-_OF_NOISE_ALONE = (
-    0.75  # noise alone reads up to 2.45 of its parts in 95 % of records (Rayleigh): U is as much
-)
+_OF_NOISE_ALONE = 0.75  # of its parts: noise reads up to 2.45 of them in 95 % of records (Rayleigh)
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
 _SEQUENCES: Final[tuple[PhaseSequence, ...]] = ("positive", "negative", "zero")
 _UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
