@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from benchtool.analysis import Measurement
 
-HIGHEST_ORDER, LOW_ORDERS = 200, 10
+HIGHEST_ORDER, _LOW_ORDERS = 200, 10
 _OF_POLE_PAIRS = 1, 2, 6, 12
 _HIGHEST_HARMONIC = 50
 
@@ -53,7 +53,7 @@ def of_harmonics(amplitudes: Mapping[int, float]) -> dict[str, float]:
     return {
         "current_fundamental": fundamental,
         "current_max_low_harmonic": max(
-            (size for order, size in others.items() if order < LOW_ORDERS), default=0.0
+            (size for order, size in others.items() if order < _LOW_ORDERS), default=0.0
         ),
         "current_thd_f": 100.0 * thd,
         "current_thd_f_noise_corrected": 100.0 * thd,

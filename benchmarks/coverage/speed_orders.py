@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.coverage.families import Compared, families_of, selected
+from benchmarks.coverage.named_truths import HIGHEST_ORDER, of_orders
 from benchmarks.coverage.noise import Kind as OfNoise, coloured, converted, noise_of
 from benchtool.analysis import order_analysis
 from benchtool.block import Block
@@ -21,7 +22,7 @@ from benchtool.block import Block
 Floats = NDArray[np.float64]
 
 RATE_HZ, POLE_PAIRS, SLOTS = 8_000.0, 4, 9
-NAMED = {"1p": 4, "2p": 8, "6p": 24, "12p": 48, "slots": 9, "cogging": 72}
+NAMED, ASKED = {"slots": 9, "cogging": 72}, (1, 5, 24)
 ORDERS = ((1, 0.08), (8, 0.03), (24, 0.05), (72, 0.03))
 LINES = ((4, 5.0), (20, 0.12), (28, 0.06), (5, 0.03))
 
@@ -119,10 +120,10 @@ def _read(what: Shaft, theta: Floats, random: np.random.Generator) -> Floats:
 
 
 def _truths(name: str, orders: Mapping[int, float]) -> dict[str, float]:
-    """Return the truth of each order, which is zero of those that are not there, and of the largest."""
-    found = {f"{name}_order_{order}": orders.get(order, 0.0) for order in range(1, 201)}
-    found |= {f"{name}_order_{key}": orders.get(order, 0.0) for key, order in NAMED.items()}
-    return found | {f"{name}_order_largest_amplitude": max(orders.values(), default=0.0)}
+    """Return the truths of orders, zero of those that are asked for and not there, and of the largest."""
+    asked = dict.fromkeys(ASKED, 0.0) if name == "speed" else {}
+    others = {f"{name}_order_{key}": orders.get(order, 0.0) for key, order in NAMED.items()}
+    return of_orders(asked | dict(orders), POLE_PAIRS, HIGHEST_ORDER, name) | others
 
 
 def _speed(what: Speed, random: np.random.Generator) -> Iterator[Compared]:
@@ -144,7 +145,7 @@ def _speed(what: Speed, random: np.random.Generator) -> Iterator[Compared]:
         RATE_HZ, {"theta_m": "rad", "omega_m": "rad/s"}, theta_m=np.mod(angle, 2 * np.pi), omega_m=omega
     )
     found = order_analysis(
-        block, "omega_m", "speed", pole_pairs=POLE_PAIRS, slots=SLOTS, orders=(1, 5, 24)
+        block, "omega_m", "speed", pole_pairs=POLE_PAIRS, slots=SLOTS, orders=ASKED
     ).measurements
     yield from selected(found, _truths("speed", truths))
 
