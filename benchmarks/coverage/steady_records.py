@@ -145,7 +145,7 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
     start, constant = what.decay
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
     if what.spikes:
-        current[random.integers(0, count, 10)] += what.spikes
+        current[random.integers(0, count, random.poisson(10.0))] += what.spikes
     clean_current_A = what.amplitude_A * current
     current = np.clip(clean_current_A + noise_A, -what.clip * AMPLITUDE_A, what.clip * AMPLITUDE_A)
 

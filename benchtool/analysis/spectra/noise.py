@@ -44,18 +44,35 @@ class NoiseFloor:
     stand out of the slope of the bands around. What only moves the phase of harmonics is left out. A strong
     interharmonic that was not taken out leaks through the rectangular window into all bins around it, and
     with that counts as noise.
+    `highest` is this rms with all that the bins have, and `least` that without what may be left of a phase
+    that was followed, relative to it. Either may be right: `all_noise` is the probability of the first.
     `of_bins` is the relative standard uncertainty of the floor by the scatter of its bins, of `dof` degrees
-    of freedom, `of_rest` that by what may be left of a phase that was followed, and `by_time` what it has
-    besides because its level changes, `over_time`.
+    of freedom, and `by_time` what it has besides because its level changes, `over_time`.
     """
 
-    amplitude: float
+    highest: float
     bin_Hz: float
     bins: int
     of_bins: float
     dof: float
-    of_rest: float = 0.0
+    least: float = 1.0
+    all_noise: float = 0.5
     over_time: NoiseOverTime = ONE_LEVEL
+
+    @property
+    def amplitude(self) -> float:
+        """Noise floor, rms of the peak amplitudes of bins: the expectation of both."""
+        return self.highest * self._expected
+
+    @property
+    def of_rest(self) -> float:
+        """Relative standard uncertainty of the floor by what may be left of a phase that was followed."""
+        deviation = math.sqrt(self.all_noise * (1.0 - self.all_noise))
+        return (1.0 - self.least) * deviation / self._expected
+
+    @property
+    def _expected(self) -> float:
+        return self.all_noise + (1.0 - self.all_noise) * self.least
 
     @property
     def relative_error(self) -> float:
@@ -99,9 +116,9 @@ def noise_floor(
     density is steep, the mean of those that are no line.
 
     Where a phase was followed or the course of an amplitude was divided out (`has_moved`), something of it
-    may be left between the low harmonics, as noise of that colour may: the floor may be as far below as
-    without what the lower bands have more than the upper half of them. A phase that `follows_signal` took the
-    noise in quadrature to the fundamental along.
+    may be left between the low harmonics, or be noise of that colour: the floor is all that is there or that
+    without what the lower bands have more than the upper half of them. A phase that `follows_signal` took
+    the noise in quadrature to the fundamental along.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
@@ -131,10 +148,10 @@ def noise_floor(
     amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
-    of_rest = _of_low_bands(powers, shares) if has_moved and total > 0.0 else 0.0
+    least = _without_low_bands(powers, shares) if has_moved and total > 0.0 else 1.0
     of_bins = math.hypot(relative_to_found(relative), of_leakage)
     over_time = noise_over_time(spectrum.phasor, _quiet(spectrum, bins, bands, powers))
-    return NoiseFloor(amplitude, bin_Hz, len(bins), of_bins, dof, of_rest, over_time)
+    return NoiseFloor(amplitude, bin_Hz, len(bins), of_bins, dof, least, over_time=over_time)
 
 
 def _quiet(
@@ -152,13 +169,12 @@ def _quiet(
     return np.asarray(inside[is_noise])
 
 
-def _of_low_bands(powers: list[float], shares: NDArray[np.float64]) -> float:
-    """Return the rms of how far the root of the mean of powers, of bands with these shares, is above any
-    level, each as likely, down to that without what the lower bands have more than the upper half."""
+def _without_low_bands(powers: list[float], shares: NDArray[np.float64]) -> float:
+    """Return the root of the mean of powers, of bands with these shares, without what the lower bands have
+    more than the upper half, relative to that with it; 1 where they have no more."""
     upper = np.cumsum(shares) > 0.5
     level = float(np.average(np.array(powers)[upper], weights=shares[upper]))
-    more = 1.0 - level / float(shares @ np.array(powers))
-    return (1.0 - math.sqrt(1.0 - more)) / math.sqrt(3.0) if more > 0.0 else 0.0
+    return min(1.0, math.sqrt(level / float(shares @ np.array(powers))))
 
 
 def _steep_power(square: NDArray[np.float64], shape: NDArray[np.float64]) -> tuple[float, float]:

@@ -31,16 +31,20 @@ _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that 
 _FEWEST_TO_SCATTER = 4  # powers
 _BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
 _MANY_PERIODS = 32  # in which a phase moves so slowly that differences hardly show what is left of it
+_PARTLY = 0.25  # of the distance between two levels
+_HARDLY = 100.0  # exponent of a probability of zero
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
 @dataclass(frozen=True)
 class _Differences:
     """Mean square of a bin by the second differences of successive periods, its relative variance, and how
-    many of them were left out of how many; `from_first` is that of the bins from order 1 on."""
+    many of them were left out of how many; `from_first` is that of the bins from order 1 on, `with_bursts`
+    that of all differences."""
 
     power: float
     from_first: float
+    with_bursts: float
     variance: float
     left_out: int
     of: int
@@ -73,8 +77,8 @@ def without_changes(
     but for what it leaves in the period that it is in. There is none where too few differences tell it, or
     more of them have more than a step would leave.
 
-    Where they do not have less, what may be left of a phase that follows the signal over many periods is no
-    more than they allow; the counts of an angle leave fast errors.
+    Where they do not have less, they tell how probable it is that a phase that follows the signal over many
+    periods has left something; the counts of an angle leave fast errors.
     """
     if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
@@ -82,32 +86,45 @@ def without_changes(
     if floor.amplitude < _BESIDE_STEPS * of_steps:
         return floor
     changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
-    tells_rest = follows_signal and floor.of_rest > 0.0 and samples.periods >= _MANY_PERIODS
+    tells_rest = follows_signal and floor.least < 1.0 and samples.periods >= _MANY_PERIODS
     if not changes and not tells_rest:
         return floor
     found = _differences(samples)
     if found is None:
         return None if changes else floor
     from_first = noise_floor(spectrum, 1.0) or floor
-    ratio = found.from_first / from_first.amplitude**2 if from_first.amplitude > 0.0 else 0.0
-    is_less = 0.0 < ratio < (1.0 if has_stepped else _LEAST)
-    if found.has_bursts or found.variance > _MOST_VARIANCE:
-        return None if changes and is_less else floor
-    if not is_less and not tells_rest:
-        return floor
+    there = from_first.amplitude**2
+    ratio = found.from_first / there if there > 0.0 else 0.0
+    if tells_rest and there > 0.0:
+        of_noise = math.sqrt((found.with_bursts if found.has_bursts else found.from_first) / there)
+        all_noise = _all_noise(floor.least, of_noise, 0.5 * math.sqrt(found.variance))
+        floor = replace(floor, all_noise=all_noise)
+    is_less = changes and 0.0 < ratio < (1.0 if has_stepped else _LEAST)
     if not is_less:
-        least = max(0.0, ratio * (1.0 - math.sqrt(found.variance)))
-        return replace(floor, of_rest=min(floor.of_rest, max(0.0, 1.0 - math.sqrt(least)) / math.sqrt(3.0)))
-    if not changes:
         return floor
+    if found.has_bursts or found.variance > _MOST_VARIANCE:
+        return None
     return replace(
         floor,
-        amplitude=math.sqrt(found.power),
+        highest=math.sqrt(found.power),
         of_bins=relative_to_found(math.sqrt(found.variance)),
-        of_rest=0.0,
+        least=1.0,
         dof=2.0 / found.variance,
         over_time=ONE_LEVEL,
     )
+
+
+def _all_noise(least: float, ratio: float, standard: float) -> float:
+    """Return the probability that a floor has noise alone, and not `least` of it, by another estimate of it,
+    `ratio` of it, and the standard uncertainty of that.
+
+    A rest of a phase may be partly in that estimate too: so much of the distance counts as uncertain.
+    """
+    variance = standard**2 + (_PARTLY * (1.0 - least)) ** 2
+    if variance == 0.0:
+        return 0.5
+    exponent = 0.5 * ((ratio - 1.0) ** 2 - (ratio - least) ** 2) / variance
+    return 1.0 / (1.0 + math.exp(min(exponent, _HARDLY)))
 
 
 def _differences(samples: CoherentSamples) -> _Differences | None:
@@ -136,7 +153,8 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     variance = of_one / alike
     if power > 0.0:
         variance += (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
-    return _Differences(power, from_first, variance, len(of_each) - len(kept), len(of_each))
+    left_out = len(of_each) - len(kept)
+    return _Differences(power, from_first, float(np.mean(of_each)), variance, left_out, len(of_each))
 
 
 def _alike(square: NDArray[np.float64]) -> float:

@@ -76,7 +76,10 @@ def test_what_is_left_of_a_motion_between_low_harmonics_may_be_no_noise() -> Non
     spread = replace(spectrum, phasor=left, amplitude=np.abs(left))
     moved = noise_floor(spread, has_moved=True)
     assert moved is not None
-    assert moved.amplitude * (1.0 - 2.0 * moved.relative_error) < quiet.amplitude < moved.amplitude
+    # it is, or it is not: the floor is as far from both, and that is its uncertainty
+    assert moved.amplitude * (1.0 - moved.of_rest) == pytest.approx(quiet.amplitude, rel=0.02)
+    assert moved.amplitude * (1.0 + moved.of_rest) == pytest.approx(moved.highest)
+    assert moved.of_rest > 5.0 * quiet.relative_error
 
 
 def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
