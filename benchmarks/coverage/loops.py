@@ -25,6 +25,7 @@ _CROSSOVER_HZ = 8.0, 40.0
 _ZERO, _LAG = (0.04, 0.2), (2.0, 5.0)  # of the crossover
 _ROWS_PER_CYCLE = 30.0, 120.0  # of the crossover
 _REST = 16  # of the record, at either end of a sweep
+_SETTLED = 1e-2  # of what is left after as long: a loop that rings on is at the limit of stability
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,21 @@ class SpeedLoop:
 
 
 def _trial(what: SpeedLoop, random: np.random.Generator) -> Iterator[Compared]:
-    """Yield the numbers of a loop whose crossover, zero, lag and sample rate are drawn."""
+    """Yield the numbers of a stable loop whose crossover, zero, lag and sample rate are drawn."""
+    crossover_Hz, rate_Hz, above, closed_below = _drawn(what, random)
+    while float(np.max(np.abs(np.roots(closed_below)))) ** (what.rows / _REST) > _SETTLED:
+        crossover_Hz, rate_Hz, above, closed_below = _drawn(what, random)
+    x, period = _played(what, crossover_Hz / rate_Hz, random)
+    y = np.asarray(signal.lfilter(above, closed_below, x))
+    y += what.noise * float(np.std(y)) * random.standard_normal(len(y))
+    block = Block.from_arrays(rate_Hz, {"x": "rad/s", "y": "rad/s"}, x=x, y=y)
+    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
+    closed = sampled(above, closed_below, rate_Hz)
+    yield from selected(found, true_numbers_of_response(closed, 0.5 * rate_Hz, found))
+
+
+def _drawn(what: SpeedLoop, random: np.random.Generator) -> tuple[float, float, Floats, Floats]:
+    """Return crossover and sample rate, Hz, numerator and denominator of a closed loop, stable or not."""
     crossover_Hz = random.uniform(*_CROSSOVER_HZ)
     rate_Hz = crossover_Hz * math.exp(random.uniform(*np.log(_ROWS_PER_CYCLE)))
     omega = 2.0 * math.pi * crossover_Hz
@@ -48,13 +63,7 @@ def _trial(what: SpeedLoop, random: np.random.Generator) -> Iterator[Compared]:
     held, below, _ = signal.cont2discrete(opened, 1.0 / rate_Hz, "zoh")
     above = np.concatenate([np.zeros(what.delay_rows), np.ravel(held)])
     below = np.concatenate([below, np.zeros(what.delay_rows)])
-    x, period = _played(what, crossover_Hz / rate_Hz, random)
-    y = np.asarray(signal.lfilter(above, below + above, x))
-    y += what.noise * float(np.std(y)) * random.standard_normal(len(y))
-    block = Block.from_arrays(rate_Hz, {"x": "rad/s", "y": "rad/s"}, x=x, y=y)
-    found = analyze_response(block, "x", "y", begin_row=period or 0, period_rows=period).measurements
-    closed = sampled(above, below + above, rate_Hz)
-    yield from selected(found, true_numbers_of_response(closed, 0.5 * rate_Hz, found))
+    return crossover_Hz, rate_Hz, above, below + above
 
 
 def _played(what: SpeedLoop, crossover: float, random: np.random.Generator) -> tuple[Floats, int | None]:
