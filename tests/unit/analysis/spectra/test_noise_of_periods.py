@@ -12,8 +12,17 @@ from benchtool.analysis.spectra.noise import NoiseFloor
 from benchtool.analysis.spectra.noise_of_periods import without_changes
 from benchtool.analysis.spectra.spectrum import spectrum_of
 
-_PER_PERIOD, _NOISE = 48, 1e-3
+_PER_PERIOD, _NOISE, _POLE = 48, 1e-3, 0.6
 Floats = NDArray[np.float64]
+
+
+def _floors(wave: Floats, periods: int, step: float = 0.0) -> tuple[NoiseFloor, NoiseFloor | None]:
+    """Return the plain floor of a wave of so many periods, read in steps, and that without changes."""
+    samples = CoherentSamples(wave, periods, float(len(wave)), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum)
+    assert plain is not None
+    return plain, without_changes(plain, spectrum, samples, has_stepped=False, step=step)
 
 
 def _relative(
@@ -24,11 +33,7 @@ def _relative(
     at = 2 * np.pi * np.arange(periods * _PER_PERIOD) / _PER_PERIOD + turned_rad
     wave = size * (np.cos(at + 0.4) + 0.03 * np.cos(5 * at))
     wave += _NOISE * np.random.default_rng(seed).standard_normal(len(at))
-    samples = CoherentSamples(wave, periods, float(len(at)), 10e3)
-    spectrum = spectrum_of(samples)
-    plain = noise_floor(spectrum)
-    found = without_changes(plain, spectrum, samples, has_stepped=False)
-    assert plain is not None
+    plain, found = _floors(wave, periods)
     assert found is not None
     truth = 2.0 * _NOISE / np.sqrt(len(at))
     error = (found.amplitude - truth) / (found.relative_error * found.amplitude)
@@ -79,6 +84,59 @@ def test_the_floor_of_a_steady_amplitude_stays_as_it_is() -> None:
     assert sum(plain == found for plain, found in pairs) >= 38
 
 
+def test_noise_of_the_amplitude_is_noise() -> None:
+    """Its sidebands are in phase, as those of a ramp are, and it differs from period to period."""
+    at = 2 * np.pi * np.arange(80 * _PER_PERIOD) / _PER_PERIOD
+    noise = [0.02 * np.random.default_rng(seed).standard_normal(len(at)) for seed in range(20)]
+    floors = [_floors((1.0 + each) * np.cos(at), 80) for each in noise]
+    assert sum(found == plain for plain, found in floors) >= 14
+
+
+@pytest.mark.parametrize(("errors", "stays"), [(1.5, True), (3.0, False)])
+def test_a_floor_that_errors_of_readings_may_be_all_of_stays(errors: float, stays: bool) -> None:
+    """The root of the mean square of a bin that white errors of a step give is step / sqrt(3 n)."""
+    place = (np.arange(20 * _PER_PERIOD) + 0.5) / (20 * _PER_PERIOD)
+    wave = (1.0 + 0.1 * place) * np.cos(40 * np.pi * place)
+    wave += _NOISE * np.random.default_rng(1).standard_normal(len(place))
+    plain, found = _floors(wave, 20)
+    assert found is not None
+    assert found.amplitude < 0.8 * plain.amplitude
+    step = plain.amplitude / errors * np.sqrt(3.0 * len(place))
+    assert (_floors(wave, 20, step)[1] == plain) is stays
+
+
+def test_the_noise_below_the_first_order_is_as_that_of_the_lowest_orders() -> None:
+    """Of noise that most of is there, orders from 1 on alone would tell too little."""
+    floors = []
+    for seed in range(40):
+        place = (np.arange(60 * _PER_PERIOD) + 0.5) / (60 * _PER_PERIOD)
+        wave = (1.0 + 0.5 * place) * np.cos(120 * np.pi * place) + _coloured(len(place), _POLE, seed)
+        if found := _floors(wave, 60)[1]:  # in few records it looks like bursts
+            floors.append((found.amplitude, 2.0 * found.of_bins, np.sqrt(2.0 / found.dof)))
+    assert len(floors) >= 30
+    amplitude, relative, of_dof = np.transpose(floors)
+    bins = np.arange(1, len(spectrum_of(CoherentSamples(wave, 60, float(len(place)), 10e3)).amplitude))
+    bins = bins[(bins % 60 > 1) & (bins % 60 < 59)]
+    power = 4.0 * _NOISE**2 / np.abs(1.0 - _POLE * np.exp(-2j * np.pi * bins / len(place))) ** 2 / len(place)
+    assert np.mean(amplitude**2) == pytest.approx(np.mean(power), rel=0.05)
+    assert relative == pytest.approx(of_dof, rel=0.05)  # as of a power that has so many
+
+
+def test_noise_whose_level_changes_tells_less_than_noise_of_one_level() -> None:
+    error = []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        place = (np.arange(40 * _PER_PERIOD) + 0.5) / (40 * _PER_PERIOD)
+        level = np.exp(0.2 * random.standard_normal(40))
+        noise = _NOISE * np.repeat(level, _PER_PERIOD) * random.standard_normal(len(place))
+        found = _floors((1.0 + 0.3 * place) * np.cos(80 * np.pi * place) + noise, 40)[1]
+        if found is not None:
+            truth = 2.0 * np.sqrt(np.mean(noise**2) / len(place))
+            error.append((found.amplitude - truth) / (found.of_bins * found.amplitude))
+    assert len(error) >= 15
+    assert float(np.sqrt(np.mean(np.square(error)))) < 1.4
+
+
 def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | None]:
     found = []
     for seed in range(seeds):
@@ -86,9 +144,7 @@ def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | N
         size = np.where(place < at, 1.0, 1.05)
         wave = size * np.cos(2 * np.pi * periods * place + 0.4)
         wave += _NOISE * np.random.default_rng(seed).standard_normal(len(place))
-        samples = CoherentSamples(wave, periods, float(len(place)), 10e3)
-        spectrum = spectrum_of(samples)
-        found.append(without_changes(noise_floor(spectrum), spectrum, samples, has_stepped=False))
+        found.append(_floors(wave, periods)[1])
     return found
 
 
