@@ -27,6 +27,7 @@ from benchtool.analysis import (
 )
 from benchtool.analysis.spectra.converter_lines import aliased_quantisation
 from benchtool.analysis.spectra.line_errors import line_errors
+from benchtool.analysis.spectra.noise import relative_to_found
 from benchtool.analysis.spectra.noise_of_lines import hann_quadrature, line_noise, noise_at_lines
 from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_samples
 from benchtool.analysis.uncertainty import combined
@@ -80,6 +81,28 @@ def test_what_is_left_of_a_motion_between_low_harmonics_may_be_no_noise() -> Non
     assert moved.amplitude * (1.0 - moved.of_rest) == pytest.approx(quiet.amplitude, rel=0.02)
     assert moved.amplitude * (1.0 + moved.of_rest) == pytest.approx(moved.highest)
     assert moved.of_rest > 5.0 * quiet.relative_error
+
+
+def test_noise_that_rises_with_frequency_is_no_rest_of_a_motion() -> None:
+    spectrum = spectrum_of({1: 1.0}, seed=2)
+    high = 5 * spectrum.periods
+    more = spectrum.phasor.copy()
+    more[high:] *= 10.0
+    risen = replace(spectrum, phasor=more, amplitude=np.abs(more))
+    moved, floor = noise_floor(risen, has_moved=True), noise_floor(risen)
+    assert moved is not None
+    assert floor is not None
+    assert moved.amplitude == floor.amplitude
+    assert moved.of_rest == 0.0
+
+
+@pytest.mark.parametrize("relative", [0.004, 0.1, 0.3])
+def test_a_level_that_is_low_by_chance_is_off_by_more_of_itself(relative: float) -> None:
+    """Of a mean of n exponentially distributed powers the relative standard deviation is 1 / sqrt(n)."""
+    n = 1.0 / relative**2
+    power = np.random.default_rng(1).gamma(n, 1.0 / n, 200_000)
+    errors = 1.0 - 1.0 / np.sqrt(power)
+    assert relative_to_found(relative) == pytest.approx(float(np.sqrt(np.mean(errors**2))), rel=0.02)
 
 
 def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
