@@ -36,6 +36,7 @@ _BY_CHANCE, _OF_QUADRATIC = 1e-6, 3
 _OF_STEPS = 1.0  # rms of what repeats, over the steps of an encoder: they repeat with 0.29 of one
 _REFITS = 2  # the first leaves a share of one over the periods
 _DIGITS = 9  # of an angle, above its rounding
+_MOST_LEVELS = 1 << 16  # samples whose levels are looked at
 _CHUNK = 1 << 13  # samples at a time: in the cache, and too few for BLAS to start threads
 
 
@@ -88,8 +89,10 @@ class PhaseTrack:
         if self.departure is None:
             return self._of_polynomial(phase)
         rows = self._rows_around(float(np.min(phase)), float(np.max(phase)))
-        # where rows are missing a curve through the angle may turn back for a moment
-        return np.interp(phase, np.maximum.accumulate(self.at(rows)), rows)
+        # where rows are missing, or the angle is held, a curve through it may turn back for a moment
+        risen = np.maximum.accumulate(self.at(rows))
+        first = np.diff(risen, prepend=-np.inf) > 0.0
+        return np.interp(phase, risen[first], rows[first])
 
     def _rows_around(self, least_rad: float, greatest_rad: float) -> NDArray[np.float64]:
         """Return the sample numbers between which the track has these phases, shape (m,).
@@ -157,7 +160,7 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
     _require_direction(theta_e)
     step_rad = (
-        step_of_counts(theta_e, pole_pairs * resolution(theta_m))
+        step_of_counts(theta_e, pole_pairs * _resolution_rad(theta_m))
         or step_of_counts(theta_e, pole_pairs * _digit_rad(theta_m))
         or pole_pairs * step_of_even_counts(theta_e / pole_pairs)
     )
@@ -180,6 +183,13 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
     return PhaseTrack(
         phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad, pole_pairs=pole_pairs
     )
+
+
+def _resolution_rad(theta_m: NDArray[np.float64]) -> float:
+    """Return the resolution of an angle, rad, shape (n,), above the rounding by which it differs from turn to
+    turn where it was wrapped by a computation."""
+    few = np.sort(theta_m[:: max(1, len(theta_m) // _MOST_LEVELS)])
+    return resolution(few[np.diff(few, prepend=-np.inf) > 10.0**-_DIGITS])
 
 
 def _digit_rad(theta_m: NDArray[np.float64]) -> float:

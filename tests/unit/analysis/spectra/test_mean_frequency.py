@@ -61,3 +61,15 @@ def test_phases_that_agree_are_weighted_by_their_variances(
     )
     both = one.with_other(other)
     assert (both.phase_rad, both.standard) == pytest.approx((value, standard))
+
+
+@pytest.mark.parametrize("lines", [1000, 4096, 16_384])
+@pytest.mark.parametrize("swing", [0.0, 0.02])
+def test_an_encoder_that_is_wrapped_by_a_computation_counts_in_its_steps(lines: int, swing: float) -> None:
+    """Its levels differ from turn to turn by rounding, of which any difference is a whole multiple."""
+    random, step = np.random.default_rng(83), 2 * np.pi / lines
+    for _ in range(5):
+        speed = random.uniform(8.0, 20.0) * (1.0 + swing * random.standard_normal(10_000))
+        angle = random.uniform(0.0, 2 * np.pi) + np.cumsum(2 * np.pi * speed / RATE_HZ)
+        read = np.floor(angle / step) * step % (2 * np.pi)
+        assert track_angle(read, POLE_PAIRS).resolution_rad == pytest.approx(POLE_PAIRS * step, rel=1e-6)
