@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from benchtool.analysis import resolution
@@ -10,6 +11,7 @@ from benchtool.analysis import resolution
 Floats = NDArray[np.float64]
 
 _BY_CHANCE = 0.05  # probability that one row is equal, from which it is taken for stale
+_LOOKED_AT, _NEIGHBOURS = 1 << 16, 8  # rows whose levels are taken; levels to either side of one
 _CLEARLY = 4.0  # standard deviations of the number that is equal by chance
 _LARGEST_SHARE, _LONGEST = 0.25, 16  # of the rows; rows in a row
 _LEAST_SHARE = (
@@ -23,8 +25,9 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     shape (n,).
 
     All columns are equal to those of the row before, while they move on either side of it. Of a column that
-    moves by m of its least steps from row to row neighbours are equal by chance in one row of about m: rows
-    are repeated where that is improbable for all columns together, and there are more of them than by chance.
+    moves by m of the steps that it has there from row to row neighbours are equal by chance in one row of
+    about m: rows are repeated where that is improbable for all columns together, and there are more of them
+    than by chance.
     At rest, or where a converter is coarse, none is; the greatest and the least value, to which a column may
     be clipped, repeat by no chance.
     """
@@ -43,7 +46,7 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     inside = np.clip(before, 0, len(moves) - 1), np.clip(after, 0, len(moves) - 1)
     chance = np.ones(len(moves))
     for column, move in zip(values.T, moves.T, strict=True):
-        step, usual = resolution(column), 0.5 * (move[inside[0]] + move[inside[1]])
+        step, usual = _steps_near(column)[1:], 0.5 * (move[inside[0]] + move[inside[1]])
         inner = (column[1:] > np.min(column)) & (column[1:] < np.max(column))
         moved = inner & (usual > step)
         chance *= np.divide(step, usual, out=np.ones(len(moves)), where=moved)
@@ -53,6 +56,16 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     if np.count_nonzero(found) > expected + _CLEARLY * np.sqrt(expected):
         stale[1:] = found
     return stale
+
+
+def _steps_near(column: Floats) -> Floats:
+    """Return the step between levels of a column, shape (n,), about each of its values, shape (n,): the least
+    between a few neighbouring ones, as numbers of three digits have coarser steps where they are larger."""
+    levels = np.unique(column[:: max(1, len(column) // _LOOKED_AT)])
+    gaps = np.pad(np.diff(levels), _NEIGHBOURS, constant_values=np.inf)
+    least = np.min(sliding_window_view(gaps, 2 * _NEIGHBOURS), axis=1)  # about each level
+    place = np.clip(np.searchsorted(levels, column), 0, len(levels) - 1)
+    return np.asarray(np.maximum(least[place], resolution(column)))
 
 
 def stale_rows(repeating: NDArray[np.bool_]) -> NDArray[np.bool_]:

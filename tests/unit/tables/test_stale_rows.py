@@ -48,6 +48,19 @@ def test_rows_that_are_equal_by_a_coarse_converter_or_at_rest_are_not() -> None:
         assert not np.any(repeating_rows(np.column_stack([values, 3.0 * np.ones(ROWS)])))
 
 
+@pytest.mark.parametrize(("digits", "gain"), [(3, 1.0), (3, 0.37), (4, 1.0)])
+def test_few_digits_are_coarser_where_numbers_are_large(digits: int, gain: float) -> None:
+    """`-4.99e+00` beside `8.31e-03`: crests are equal by chance, whatever the least step of the column is."""
+    noise = 2.0 * 10.0 ** (1 - digits)
+    row = np.arange(ROWS)
+    values = 5.0 * np.cos(TURN * 0.001 * row) + noise * np.random.default_rng(3).standard_normal(ROWS)
+    written = np.array([float(f"{each:.{digits - 1}e}") for each in values])
+    assert np.count_nonzero(np.diff(written) == 0.0) > 20
+    none = np.zeros(ROWS, dtype=np.bool_)
+    assert often_stale(gain * written - 0.2, none) == ""
+    assert "sampled less often" in often_stale(held(gain * written, some(0.05)), none)
+
+
 def test_crests_that_are_clipped_repeat_by_no_chance() -> None:
     clipped = np.clip(signals()[:, :1], -4.9, 4.9)
     assert np.count_nonzero(np.diff(clipped[:, 0]) == 0.0) > 200
