@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from benchtool.errors import RecordingError
 from benchtool.tables.cells import is_no_name, kind_of_word
@@ -65,6 +65,13 @@ class Layout:
     signals: int = 0
     is_number_first: bool = False
     head_factors: str = ""
+
+    def with_units(self, units: Sequence[str]) -> Layout:
+        """Return the layout with the units that stand in the cells of its columns, in place of the head's."""
+        if len(units) != len(self.columns):
+            return self
+        named = zip(self.columns, units, strict=True)
+        return replace(self, columns=tuple(replace(each, unit=unit or each.unit) for each, unit in named))
 
 
 def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = True) -> Layout:

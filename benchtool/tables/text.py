@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pyarrow import csv
 
 from benchtool.errors import RecordingError
+from benchtool.tables.attached_units import without_units
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.cut_short import without_cut_number
 from benchtool.tables.grouping import Use, use_of
@@ -77,7 +78,8 @@ class Rows:
 @dataclass(frozen=True)
 class TextTable:
     """A file whose layout is known; `text` is UTF-8 with lines ended by newlines, whatever the file has, and
-    with columns in place of labelled values (`as_columns`)."""
+    with columns in place of labelled values (`as_columns`), and without units in its cells
+    (`without_units`)."""
 
     path: Path
     encoding: str
@@ -114,7 +116,8 @@ class TextTable:
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         text, added = as_columns(ascii_numbers(text))
-        layout = find_layout(text, str(path), decimal, timed=timed)
+        text, units = without_units(text)
+        layout = find_layout(text, str(path), decimal, timed=timed).with_units(units)
         text = without_cut_number(text, layout)
         table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added), text)
         return table._settled() if table.layout.is_open and not decimal else table

@@ -75,12 +75,12 @@ def test_a_row_that_lacks_a_value_is_still_missing(tmp_path: Path) -> None:
 
 def test_few_rows_that_are_left_say_why(tmp_path: Path) -> None:
     lines = [
-        f"{1e4 * t:.0f}u;{i:.4f};1" if t else f"0;{i:.4f};1" for t, i in zip(TIME_S, CURRENT_A, strict=True)
+        f"{1e4 * t:.0f}x;{i:.4f};1" if t else f"0;{i:.4f};1" for t, i in zip(TIME_S, CURRENT_A, strict=True)
     ]
     found = measured(tmp_path, lines, {"current": "i"})
     reason = next(each for each in found.measurements if each.name == "current_fundamental").reason
     left_out = (
-        f"of {ROWS} rows {ROWS - 1} are left out, with a cell that is no number, the first '1u' in column 1"
+        f"of {ROWS} rows {ROWS - 1} are left out, with a cell that is no number, the first '1x' in column 1"
     )
     assert left_out in reason
 
