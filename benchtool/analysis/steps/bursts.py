@@ -7,48 +7,103 @@ the noise at rest is known from the autocovariance of that.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.smoothing import Noise, without_a_line
 
 Floats = NDArray[np.float64]
 
-_SIZE, _PARTS = 32, 100  # samples of a window, at least; windows of a record without overlap, at most
+_SIZE, _PARTS = 16, 100  # samples of a window, at least; windows of a record without overlap, at most
 _HOPS = 4  # windows that begin within one
 _LOUD = 2.5  # times the noise at rest: the prediction leaves no more of that, by chance, in 10 000 windows
+_CALM = 0.7  # of the noise at rest: no less of that is between bursts, by chance
+_LATE = 5  # the last of so many parts of a record, whose noise is that at rest
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
 _OF_RESIDUAL, _LOUD_POWER = 40, 2.5  # samples; times the power at rest
 
 
-def noise_levels(samples: Floats, noise: Noise) -> Floats:
-    """Return by how much the noise of samples, shape (n,), is more than at rest, shape (n,), at least 1.
+def noise_and_levels(samples: Floats, noise: Noise) -> tuple[Noise, Floats]:
+    """Return noise and by how much that of samples, shape (n,), is more, shape (n,), at least 1: the noise
+    that is known at rest or, where that has bursts itself, what is between them.
 
-    By the median of what a prediction from two samples leaves in a window. A burst is in two windows side by
-    side, an edge only in those that overlap.
+    By what a prediction from two samples leaves in a window, where its median is large. A burst is in two
+    windows side by side, an edge only in those that overlap.
     """
     count = len(samples)
-    size = max(_SIZE, _HOPS * (count // (_HOPS * _PARTS)))
-    levels = np.ones(count)
-    covariance = np.zeros(3)
-    covariance[: min(3, len(noise.autocovariance))] = noise.autocovariance[:3]
-    if count <= size or not covariance[0] > 0.0:
+    if count <= _size(count) or not noise.rms > 0.0:
+        return noise, np.ones(count)
+    predicted = _Predicted.of(samples, noise)
+    usual = float(np.median(predicted.share))
+    levels = predicted.levels(predicted.is_loud, usual) if usual > 0.0 else np.ones(count)
+    if np.any(levels[count // 2 :] > 1.0):  # at rest too, and not before these samples alone
+        late = slice(-(count // _LATE), None)
+        calm = Noise.of(without_a_line(samples[late]) / levels[late])
+        if 0.0 < calm.rms < _CALM * noise.rms:
+            predicted = _Predicted.of(samples, calm)
+            return calm, predicted.levels(predicted.is_loud, 1.0)
+    return noise, predicted.levels(predicted.left > _LOUD * predicted.of_noise, 1.0)
+
+
+def _size(count: int) -> int:
+    """Return the samples of a window, of so many."""
+    return max(_SIZE, _HOPS * (count // (_HOPS * _PARTS)))
+
+
+@dataclass(frozen=True)
+class _Predicted:
+    """What predictions leave in windows of `size` samples, which `begin` in some rows of `count`: `left`, by
+    its median, and its `rms`, and what they would leave `of_noise` that is known, all of shape
+    (windows,)."""
+
+    count: int
+    size: int
+    begin: NDArray[np.int64]
+    left: Floats
+    rms: Floats
+    of_noise: Floats
+
+    @classmethod
+    def of(cls, samples: Floats, noise: Noise) -> _Predicted:
+        count, size = len(samples), _size(len(samples))
+        begin = np.arange(0, count - size + 1, size // _HOPS)
+        within = np.lib.stride_tricks.sliding_window_view(samples, size)[begin]
+        columns = np.stack([within[:, 1:-1], within[:, :-2], np.ones((len(begin), size - 2))], axis=2)
+        solution = np.linalg.pinv(columns) @ within[:, 2:, np.newaxis]
+        errors = np.abs(within[:, 2:] - (columns @ solution)[..., 0])
+        weights = np.concatenate([np.ones((len(begin), 1)), -solution[:, :2, 0]], axis=1)
+        known = np.zeros(3)
+        known[: min(3, len(noise.autocovariance))] = noise.autocovariance[:3]
+        apart = np.abs(np.subtract.outer(np.arange(3), np.arange(3)))
+        # as many samples as a prediction has coefficients are no errors
+        square = (size - 5) / (size - 2) * np.einsum("ni,ij,nj->n", weights, known[apart], weights)
+        of_noise = np.sqrt(np.maximum(square, np.finfo(float).tiny))
+        rms = np.sqrt(np.mean(errors**2, axis=1))
+        return cls(count, size, begin, _OF_MEDIAN * np.median(errors, axis=1), rms, of_noise)
+
+    @property
+    def share(self) -> Floats:
+        """What is left relative to what would be of the noise, shape (windows,)."""
+        return self.rms / self.of_noise
+
+    @property
+    def is_loud(self) -> NDArray[np.bool_]:
+        """Whether more is left than mostly is, and than mostly is relative to the noise, shape (windows,)."""
+        relative = self.left / self.of_noise
+        return (self.left > _LOUD * np.median(self.left)) & (relative > _LOUD * np.median(relative))
+
+    def levels(self, loud: NDArray[np.bool_], usual: float) -> Floats:
+        """Return by how much what is left is more than usual at every sample, shape (n,), at least 1, in
+        windows that are `loud`, shape (windows,), and have one of these beside them, or end the record."""
+        levels = np.ones(self.count)
+        # an edge spoils the prediction in all windows that hold it, and in none beside them
+        before, after = np.pad(loud, (_HOPS, 0))[:-_HOPS], np.pad(loud, (0, _HOPS), mode="edge")[_HOPS:]
+        for at in np.flatnonzero(loud & (before | after)):
+            rows = slice(self.begin[at], self.begin[at] + self.size)
+            levels[rows] = np.maximum(levels[rows], self.share[at] / usual)
         return levels
-    begin = np.arange(0, count - size + 1, size // _HOPS)
-    within = np.lib.stride_tricks.sliding_window_view(samples, size)[begin]
-    columns = np.stack([within[:, 1:-1], within[:, :-2], np.ones((len(begin), size - 2))], axis=2)
-    solution = np.linalg.pinv(columns) @ within[:, 2:, np.newaxis]
-    left = _OF_MEDIAN * np.median(np.abs(within[:, 2:] - (columns @ solution)[..., 0]), axis=1)
-    weights = np.concatenate([np.ones((len(begin), 1)), -solution[:, :2, 0]], axis=1)
-    apart = np.abs(np.subtract.outer(np.arange(3), np.arange(3)))
-    at_rest = np.sqrt(np.einsum("ni,ij,nj->n", weights, covariance[apart], weights))
-    loud = np.where(left > _LOUD * at_rest, left / np.maximum(at_rest, np.finfo(float).tiny), 1.0)
-    # an edge spoils the prediction in all windows that hold it, and in none beside them
-    before, after = np.pad(loud, (_HOPS, 0))[:-_HOPS], np.pad(loud, (0, _HOPS))[_HOPS:]
-    for first, level in zip(begin, np.minimum(loud, np.maximum(before, after)), strict=True):
-        rows = slice(first, first + size)
-        levels[rows] = np.maximum(levels[rows], level)
-    return levels
 
 
 def residual_levels(left: Floats, rms: float) -> Floats:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
-from benchtool.analysis.steps.bursts import noise_levels, residual_levels
+from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
 from benchtool.analysis.steps.passages import (
@@ -92,7 +92,7 @@ class NoisyCurve:
         scatter, each is off by that times the slope of the curve.
         """
         count, step = len(samples), converter_step(samples)
-        levels = noise_levels(samples, noise)
+        noise, levels = noise_and_levels(samples, noise)
         smoother, longer = fitted_smoothers(samples, noise, levels)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(SEED)

@@ -169,6 +169,7 @@ class _Smoothed:
         self._samples = samples
         self._noise = noise
         self._levels = levels
+        self._are_even = bool(np.all(levels == levels[0]))
         self._curves: dict[int, tuple[Floats, float]] = {}
 
     def risk(self, smoother: Smoother) -> float:
@@ -200,7 +201,8 @@ class _Smoothed:
             for shorter, spectrum in zip(ladder[:at].tolist(), spectra[:at], strict=True):
                 between = np.abs(spectra[at] - spectrum) ** 2 * power
                 square = float(np.mean(between))
-                relative = np.abs(curve - even._under(shorter)[0]) / (math.sqrt(square) * self._levels)
+                levels = self._between(shorter, longer)
+                relative = np.abs(curve - even._under(shorter)[0]) / (math.sqrt(square) * levels)
                 apart = relative > _CONTRADICTS
                 if shorter <= _OF_FEW:
                     apart = _in_rows(apart)
@@ -212,6 +214,16 @@ class _Smoothed:
         away = _CLEARANCE * np.arange(count)
         least = np.minimum.accumulate(most - away) + away
         return np.asarray(np.minimum.accumulate((least + away)[::-1])[::-1] - away)
+
+    def _between(self, shorter: int, longer: int) -> Floats:
+        """Return the level of the noise in the difference of two windows, shape (n,), as that of white noise:
+        what is loud is in all windows that reach it."""
+        if self._are_even:
+            return self._levels
+        weights = _parabola(longer)
+        weights[longer - shorter : longer + shorter + 1] -= _parabola(shorter)
+        square = _convolved(np.pad(self._levels**2, longer, mode="reflect"), weights**2)
+        return np.asarray(np.sqrt(np.maximum(square, 0.0) / float(np.sum(weights**2))))
 
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
         """Return the transfer of each window, and the power of the noise, over the same frequencies."""
