@@ -25,7 +25,7 @@ _CROSSOVER_HZ = 8.0, 40.0
 _ZERO, _LAG = (0.04, 0.2), (2.0, 5.0)  # of the crossover
 _ROWS_PER_CYCLE = 30.0, 120.0  # of the crossover
 _REST = 16  # of the record, at either end of a sweep
-_SETTLED = 1e-2  # of what is left after as long: a loop that rings on is at the limit of stability
+_SETTLED = 1e-2  # of its ringing, after as long: a loop that rings on is at the limit of stability
 
 
 @dataclass(frozen=True)
