@@ -184,9 +184,14 @@ def _active(shares: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _numbers(shares: NDArray[np.float64], basis: Basis, of_steps: tuple[float, float]) -> list[Measurement]:
     by_zero, by_active = ([Contribution(_RESOLUTION, "B", each)] if each else [] for each in of_steps)
+    # a period with another number, or vector, may come next, though none has been seen
+    one_period = 1.0 / (_SQRT3 * len(shares))
+    zero = shares[:, 0]
+    if np.all((zero <= _USED) | (zero >= 1.0 - _USED)):
+        by_zero.append(Contribution("one period of another vector, rectangular", "B", 100.0 * one_period))
     return [
         _mean(
-            100.0 * shares[:, 0],
+            100.0 * zero,
             "zero_vector_share",
             "%",
             "mean share of a PWM period without voltage, T_0 / T_s",
@@ -200,8 +205,7 @@ def _numbers(shares: NDArray[np.float64], basis: Basis, of_steps: tuple[float, f
             "mean number of active vectors in a PWM period",
             basis,
             *by_active,
-            # a period with another number may come next, though none has been seen
-            Contribution("one period of another number, rectangular", "B", 1.0 / (_SQRT3 * len(shares))),
+            Contribution("one period of another number, rectangular", "B", one_period),
         ),
     ]
 
@@ -267,7 +271,8 @@ SWITCHING_STATES: Final = Analysis(
             "mean of `T_0 / T_s`",
             "scatter over 64 parts of the record with their correlation, or the five lowest frequencies "
             "where these hold less than a fifth of that, or the density continued to zero frequency where "
-            "that is 1.4 times as much; resolution of the voltages, by vectors that would be read alike",
+            "that is 1.4 times as much; resolution of the voltages, by vectors that would be read alike; of "
+            "single vectors `100 / (sqrt(3) n)`, as one period of another vector may come next",
         ),
         Quantity(
             ("active_vectors_mean",),

@@ -139,9 +139,20 @@ def test_a_number_of_vectors_that_was_always_the_same_is_not_certain() -> None:
         each.name: each.uncertainty
         for each in switching_states(_block(*([(60.0, 20.0, 200.0)] * 3000))).measurements
     }
-    active = found["active_vectors_mean"]
+    active, zero = found["active_vectors_mean"], found["zero_vector_share"]
     assert active is not None
+    assert zero is not None
     assert active.standard == pytest.approx(1.0 / (3000 * math.sqrt(3.0)))
+    assert zero.standard < 1e-9  # each has as much of all vectors
+
+
+def test_a_law_of_single_vectors_may_use_the_one_that_was_not_seen() -> None:
+    """Of 3000 periods with an active vector the next may have a zero vector: 100 / 3000 %, rectangular."""
+    measured = switching_states(_block(*([(60.0, 200.0 / 1.5, 200.0)] * 3000))).measurements
+    share = next(each for each in measured if each.name == "zero_vector_share")
+    assert share.value == pytest.approx(0.0, abs=1e-9)
+    assert share.uncertainty is not None
+    assert share.uncertainty.standard == pytest.approx(100.0 / (3000 * math.sqrt(3.0)))
 
 
 def test_turn_ons_that_wander_over_the_whole_record_have_no_uncertainty_but_a_reason() -> None:
