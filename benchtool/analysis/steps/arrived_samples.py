@@ -23,7 +23,8 @@ from benchtool.analysis.statistics.tail import tail_index, tail_indices_of_heavy
 from benchtool.analysis.steps.converter_levels import left_beside_a_line
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
-from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.smoothing import Noise, without_a_line
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 
 Floats = NDArray[np.float64]
@@ -87,22 +88,28 @@ class ArrivedSamples:
         noise: Noise,
         step: float,
         event: int = 0,
+        drift: Slope | None = None,
     ) -> ArrivedSamples:
         """Return those of samples, shape (n,), from the instant `begin` on, after an event in some row.
 
         They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
-        these are enough, their noise stands for `noise`, that of samples at rest elsewhere. `step` is that of
-        a converter, 0 without one.
+        these are enough, their noise stands for `noise`, that of samples at rest elsewhere; where a `drift`
+        goes on in them, they are about a line. `step` is that of a converter, 0 without one.
         """
         end = len(samples)
         first = min(math.ceil(begin.place), end)
         course = curve.values[:end].copy()
-        rest = _rest(course, first, band, noise.rms, event)
+        rest, drifts = _rest(course, first, band, noise.rms, event), False
+        if drift is not None:
+            along = _rest(course - drift.value * np.arange(end), first, band, noise.rms, event)
+            if drift.goes_on_in(samples[along:]):
+                rest, drifts = along, True
         if end - rest < _FEWEST_SAMPLES:
             rest = end
         else:
-            course[rest:] = np.mean(samples[rest:])
-            noise = Noise.of(samples[rest:])
+            settled = samples[rest:]
+            course[rest:] = settled - without_a_line(settled) if drifts else np.mean(settled)
+            noise = Noise.of(settled)
         of_course = _in_course(curve.errors[:, first:end], noise.rms, begin)
         of_rest = np.ones(end - first) if curve.beside is None else curve.beside[first:end].copy()
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
@@ -184,7 +191,7 @@ class ArrivedSamples:
     def _of_mean(self) -> Contribution:
         if not self.at_rest:
             return Contribution("noise of the samples", "A", self.noise.of_mean(len(self.values)))
-        name, settled = "scatter over parts of the samples, and their correlation", self._settled
+        name, settled = "scatter over parts of the samples, and their correlation", self._at_rest
         error = error_of_record(settled)
         if math.isfinite(error.standard):
             return error.line(name, self._share)
@@ -244,7 +251,7 @@ class ArrivedSamples:
         random, count = np.random.default_rng(_SEED), len(self.course)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         if self.at_rest:
-            noise = np.resize(self._settled - np.mean(self._settled), count)
+            noise = np.resize(self._at_rest, count)
             begins = random.integers(0, count, draws).tolist()
             drawn = np.array([np.roll(noise, begin) for begin in begins])
             if self._is_heavy:  # what is far on one side may as well be on the other
@@ -280,6 +287,11 @@ class ArrivedSamples:
     @property
     def _settled(self) -> Floats:
         return self.values[-self.at_rest :]
+
+    @property
+    def _at_rest(self) -> Floats:
+        """Noise of the samples at rest, about their course."""
+        return self._settled - self.course[-self.at_rest :]
 
     @property
     def _share(self) -> float:

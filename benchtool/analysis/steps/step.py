@@ -25,6 +25,7 @@ from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
+from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_drift import find_drift, wanders
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
@@ -78,7 +79,7 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     curve, at_rest = _curve(step)
     band = _band(step, curve)
     drift = find_drift(step, at_rest)
-    found = tuple(_measurements(step, curve.drifting(drift.doubt), band))
+    found = tuple(_measurements(step, curve.drifting(drift.doubt), band, drift.slope))
     if step.clicks:
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
@@ -128,7 +129,7 @@ def _undefined(each: Measurement, reason: str) -> Measurement:
     return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
 
 
-def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measurement]:
+def _measurements(step: Step, curve: NoisyCurve, band: float, drift: Slope | None) -> Iterator[Measurement]:
     arrival = curve.passage(step.greatest - _ARRIVED * step.height, step.greatest_error)
     arrived = None if arrival is None else arrival.instant
     settled = curve.last_outside(step.final, band)
@@ -136,9 +137,9 @@ def _measurements(step: Step, curve: NoisyCurve, band: float) -> Iterator[Measur
     settling = _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
     yield _resting_on(settling, band=band)
     yield from _excursions(step, curve, arrived)
-    for each in plateau_numbers(step, curve, arrived, band):
+    for each in plateau_numbers(step, curve, arrived, band, drift):
         yield _resting_on(each, span_s=(step.leaves - step.zero) * step.period_s)
-    for each in tracking_numbers(step, curve, settled, band):
+    for each in tracking_numbers(step, curve, settled, band, drift):
         yield _resting_on(each, band=band, span_s=(len(step.y) - step.zero) * step.period_s)
 
 

@@ -10,48 +10,28 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
 from benchtool.analysis.steps.noisy_curve import at_rest_error
-from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.step_shape import Step
 
 Floats = NDArray[np.float64]
 
-_SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
-_DOUBTFUL = 2.5  # likewise, of one that may be there
-_AT_REST = 5.0  # likewise, of one after the signal has settled
-_AGREES = 3.0  # standard uncertainties between both
+_DOUBTFUL = 2.5  # standard uncertainties of a slope that may be there
 _WANDERS, _LATE, _FEW = 0.4, 0.25, 0.6  # probability of a walk; of a signal at rest late, and for few rows
 _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a piece; white noise hardly does
 _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk mostly 1.4 and 2 times
 _LONG = 6  # parts of a record that Allan's variance is of
-_FEWEST, _FEWEST_AT_REST = 20, 64  # samples of a slope; whose lowest frequencies tell a walk
+_FEWEST, _FEWEST_AT_REST = 20, 64  # samples whose lowest frequencies tell a walk: of few rows, and else
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 
 
 @dataclass(frozen=True)
 class Drift:
-    """Drift of a signal: `reason` why the answer is not told from it, empty where it is; `doubt` is the
-    standard uncertainty, per sample, of a drift that cannot be excluded."""
+    """Drift of a signal: `reason` why the answer is not told from it, empty where it is, and its `slope`
+    then; `doubt` is the standard uncertainty, per sample, of a drift that cannot be excluded."""
 
-    reason: str
-    doubt: float
-
-
-@dataclass(frozen=True)
-class _Slope:
-    """Of a line through samples, per sample, and its standard uncertainty."""
-
-    value: float
-    standard: float
-
-    @classmethod
-    def of(cls, samples: Floats) -> _Slope | None:
-        """Fit a line to samples, shape (n,); its uncertainty is what stationary noise of the autocovariance
-        about that line does to its slope. None of too few samples."""
-        if len(samples) < _FEWEST:
-            return None
-        place = np.arange(len(samples)) - 0.5 * (len(samples) - 1)
-        weights: Floats = np.asarray(place / float(place @ place), dtype=np.float64)
-        return cls(float(weights @ samples), Noise.of(samples).of_sum(weights))
+    reason: str = ""
+    slope: Slope | None = None
+    doubt: float = 0.0
 
 
 def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
@@ -121,33 +101,34 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
     moves the signal by more than the tolerance of settling. One that is less, or that noise or the steps of a
     converter hide there, is a doubt where the samples at rest have it too: a drift goes on.
     """
-    before = _Slope.of(step.y_before)
+    before = Slope.of(step.y_before)
     if before is None:
-        return Drift("", 0.0)
+        return Drift()
     slope = before.value
     moved = slope * len(step.y)
-    if abs(slope) > _SIGMAS * before.standard and abs(moved) > _TOLERATED * step.height:
+    # the level of a converter is anywhere within a step at both ends
+    hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
+    with_steps = Slope(slope, math.hypot(before.standard, hidden))
+    if before.is_certain and abs(moved) > _TOLERATED * step.height:
         rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s
         reason = (
             f"the signal drifts by {rate:.4g} {step.unit}/s before the step, which is "
             f"{100.0 * abs(moved) / step.height:.2g} % of the step over the {after_s:.4g} s after it: "
             f"let it settle before the step, or record less after it"
         )
-        return Drift(reason, 0.0)
-    # the level of a converter is anywhere within a step at both ends
-    hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
-    both = _of_both(_Slope(slope, math.hypot(before.standard, hidden)), _Slope.of(at_rest))
-    return Drift("", abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0)
+        return Drift(reason, with_steps)
+    both = _of_both(with_steps, Slope.of(at_rest))
+    return Drift(doubt=abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0)
 
 
-def _of_both(before: _Slope, after: _Slope | None) -> _Slope:
+def _of_both(before: Slope, after: Slope | None) -> Slope:
     """Return the slope that two pieces have in common, each by its weight; that before a step where there is
     no other, or where that is another for certain, as of an answer that creeps."""
     if after is None or not after.standard > 0.0:
         return before
     apart = math.hypot(before.standard, after.standard)
-    if abs(after.value) > _AT_REST * after.standard and abs(after.value - before.value) > _AGREES * apart:
+    if after.is_certain_at_rest and not after.is_like(before):
         return before
     share = (after.standard / apart) ** 2
     mean = share * before.value + (1.0 - share) * after.value
-    return _Slope(mean, before.standard * after.standard / apart)
+    return Slope(mean, before.standard * after.standard / apart)

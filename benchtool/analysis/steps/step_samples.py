@@ -15,6 +15,7 @@ from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
+from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.step_shape import HELD, Step
 from benchtool.analysis.steps.step_validity import UNDECIDED
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -23,9 +24,10 @@ Floats = NDArray[np.float64]
 
 
 def plateau_numbers(
-    step: Step, curve: NoisyCurve, arrived: Instant | None, band: float
+    step: Step, curve: NoisyCurve, arrived: Instant | None, band: float, drift: Slope | None
 ) -> Iterator[Measurement]:
-    """Yield the numbers of the plateau: signal and reference both at their greatest."""
+    """Yield the numbers of the plateau: signal and reference both at their greatest, with a `drift` or
+    without."""
     begin, end = step.holds, step.leaves
     since = Instant(float(begin), 0.0)
     if arrived is None or math.ceil(max(arrived.place, since.place)) >= end:
@@ -38,7 +40,7 @@ def plateau_numbers(
     elif not math.isfinite(since.standard):
         reason = UNDECIDED
     values = step.sign * step.y[:end]
-    found = None if reason else _arrived(step, values, curve.against(step.sign), since, band)
+    found = None if reason else _arrived(step, values, curve.against(step.sign), since, band, drift)
     samples = len(values) - math.ceil(since.place)
     for name, which, of, uncertain in (
         ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
@@ -57,8 +59,9 @@ def plateau_numbers(
 
 
 def tracking_numbers(
-    step: Step, curve: NoisyCurve, settled: Instant | None, band: float
+    step: Step, curve: NoisyCurve, settled: Instant | None, band: float, drift: Slope | None
 ) -> Iterator[Measurement]:
+    """Yield the numbers of the error after settling, with a `drift` or without."""
     undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
     left = 0 if settled is None else len(step.y) - math.ceil(settled.place)
     if settled is None or left < 2 or not math.isfinite(settled.standard):
@@ -70,7 +73,7 @@ def tracking_numbers(
     error = step.sign * (step.y - step.r)
     course = curve.against(step.sign, step.r)
     # of a pulse no time since its rise counts
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, step.fall)
+    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, drift, step.fall)
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
@@ -115,10 +118,17 @@ def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement
 
 
 def _arrived(
-    step: Step, values: Floats, course: NoisyCurve, since: Instant, band: float, event: int = 0
+    step: Step,
+    values: Floats,
+    course: NoisyCurve,
+    since: Instant,
+    band: float,
+    drift: Slope | None,
+    event: int = 0,
 ) -> ArrivedSamples:
     if step.shown_late:  # the sample before the instant is shown for any part of the time after it
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
         since = Instant(since.place - late, since.standard, drawn).widened(late)
-    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event)
+    seen = None if drift is None else drift.seen_from(step.sign)
+    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event, seen)

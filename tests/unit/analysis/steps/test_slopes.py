@@ -1,0 +1,87 @@
+"""Slopes before and after a step: a drift goes on, slow noise does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.steps.arrived_samples import ArrivedSamples
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.passages import Instant
+from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.step import analyze_step
+from benchtool.block import Block
+
+RATE_HZ, BEFORE, ROWS, DECAY = 10_000.0, 250, 1250, 10.0
+NOISE, DRIFT = 3e-3, 1e-4
+SINCE = np.maximum(np.arange(ROWS) - BEFORE, 0)
+WAY = 1.0 - np.exp(-SINCE / DECAY)
+
+
+def _found(samples: NDArray[np.float64], height: float) -> dict[str, Measurement]:
+    reference = np.where(np.arange(ROWS) < BEFORE, 0.0, height)
+    block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=samples, r=reference)
+    return {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+
+
+def _popcorn(random: np.random.Generator, count: int) -> NDArray[np.float64]:
+    """Return white noise of a tenth of the power, and a level that jumps once in fifty samples."""
+    level = np.where(np.cumsum(random.random(count) < 0.02) % 2, 1.0, -1.0)
+    return np.asarray(np.sqrt(0.9) * level + np.sqrt(0.1) * random.standard_normal(count))
+
+
+@pytest.mark.parametrize("drift", [DRIFT, -DRIFT])
+@pytest.mark.parametrize("height", [1.0, -1.0])
+def test_samples_that_drift_at_rest_scatter_about_a_line(drift: float, height: float) -> None:
+    random = np.random.default_rng(11)
+    line = drift * (np.arange(ROWS) - BEFORE)
+    plateau = np.log(50.0) * DECAY <= SINCE
+    truth = float(np.mean((height * WAY + line)[plateau]))
+    for _ in range(4):
+        noise = NOISE * random.standard_normal(ROWS)
+        mean = _found(height * WAY + line + noise, height)["plateau_mean"]
+        assert mean.uncertainty is not None
+        assert abs(mean.value - truth) < 3.0 * mean.uncertainty.standard
+        assert mean.uncertainty.standard < 5e-4  # noise 1e-4, first row 2e-4; about a level 0.03
+
+
+def test_a_drift_goes_on_and_the_slope_of_popcorn_noise_does_not() -> None:
+    random, line = np.random.default_rng(13), DRIFT * np.arange(ROWS)
+    goes_on: dict[str, list[bool]] = {"drift": [], "popcorn": []}
+    for _ in range(300):
+        drifting = line + NOISE * random.standard_normal(ROWS)
+        for name, samples in (("drift", drifting), ("popcorn", NOISE * _popcorn(random, ROWS))):
+            before = Slope.of(samples[:BEFORE])
+            assert before is not None
+            if before.is_certain:
+                goes_on[name].append(before.goes_on_in(samples[BEFORE + 200 :]))
+    assert np.mean(goes_on["drift"]) > 0.97
+    assert len(goes_on["popcorn"]) >= 8
+    assert not any(goes_on["popcorn"])
+
+
+def test_samples_are_about_their_mean_where_a_slope_before_them_does_not_go_on() -> None:
+    random = np.random.default_rng(14)
+    begin, noise = Instant(BEFORE + DECAY * np.log(50.0), 0.1), Noise(np.zeros(1))
+    line = WAY + DRIFT * np.arange(ROWS)
+    popcorn, drifting = NOISE * _popcorn(random, ROWS), NOISE * random.standard_normal(ROWS)
+
+    def of_mean(course: NDArray[np.float64], left: NDArray[np.float64], slope: Slope | None) -> float:
+        curve = NoisyCurve(course, np.empty((0, ROWS)), 0.0)
+        samples = ArrivedSamples.of(course + left, curve, begin, 0.2, noise, 0.0, BEFORE, slope)
+        found = samples.of_mean()
+        assert found is not None
+        return found.standard
+
+    for slope in (Slope(5e-5, 1e-5), Slope(-5e-5, 1e-5)):
+        assert of_mean(WAY, popcorn, slope) == of_mean(WAY, popcorn, None)
+    assert of_mean(line, drifting, Slope(DRIFT, 1e-5)) < 0.1 * of_mean(line, drifting, None)
+    assert of_mean(line, drifting, Slope(-DRIFT, 1e-5)) == of_mean(line, drifting, None)
+
+
+def test_few_samples_have_no_slope() -> None:
+    assert Slope.of(np.arange(19.0)) is None
+    assert not Slope(1.0, 0.1).goes_on_in(np.arange(19.0))
