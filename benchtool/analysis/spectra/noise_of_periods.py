@@ -94,13 +94,14 @@ def without_changes(
         return None if changes else floor
     from_first = noise_floor(spectrum, 1.0) or floor
     there = from_first.amplitude**2
-    ratio = found.from_first / there if there > 0.0 else 0.0
-    if tells_rest and there > 0.0:
+    if not there > 0.0:
+        return floor
+    if tells_rest:
         of_noise = math.sqrt((found.with_bursts if found.has_bursts else found.from_first) / there)
         all_noise = _all_noise(floor.least, of_noise, 0.5 * math.sqrt(found.variance))
         floor = replace(floor, all_noise=all_noise)
-    is_less = changes and 0.0 < ratio < (1.0 if has_stepped else _LEAST)
-    if not is_less:
+    least = 1.0 if has_stepped else _LEAST
+    if not changes or not 0.0 < found.from_first < least * there:
         return floor
     if found.has_bursts or found.variance > _MOST_VARIANCE:
         return None
@@ -115,14 +116,12 @@ def without_changes(
 
 
 def _all_noise(least: float, ratio: float, standard: float) -> float:
-    """Return the probability that a floor has noise alone, and not `least` of it, by another estimate of it,
-    `ratio` of it, and the standard uncertainty of that.
+    """Return the probability that a floor has noise alone, and not `least` of it, which is below 1, by
+    another estimate of it, `ratio` of it, and the standard uncertainty of that.
 
     A rest of a phase may be partly in that estimate too: so much of the distance counts as uncertain.
     """
     variance = standard**2 + (_PARTLY * (1.0 - least)) ** 2
-    if variance == 0.0:
-        return 0.5
     exponent = 0.5 * ((ratio - 1.0) ** 2 - (ratio - least) ** 2) / variance
     return 1.0 / (1.0 + math.exp(min(exponent, _HARDLY)))
 
