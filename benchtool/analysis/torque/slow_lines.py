@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.spectra.around_lines import surrounded
 from benchtool.analysis.spectra.spectral_window import spectral_window
-from benchtool.analysis.statistics.scatter import BLOCKS, means_of_blocks
+from benchtool.analysis.statistics.scatter import BLOCKS
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -30,6 +30,7 @@ _LEAST_CYCLES = 1.2  # in the record: a slower one is not told from the mean
 _APART = 1.0  # cycles between lines that are told from each other
 _OF_LINE, _EXPLAINED = 2, 3.5  # bins on either side of a line; what it leaves there, of the noise around them
 _FINER, _TURNS = 2, 4  # rounds of the fits
+_ROWS_OF_BLOCK = 2  # at least
 _BLOCKS_OF_CYCLE = 16  # that have a pace of their own
 _TOLD = 1e-3  # of singular values: lines that differ by less have one part of it
 _CHUNK = 1 << 13
@@ -115,11 +116,9 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     if not len(cycles):
         return None
     found, rest = _fitted(values, at, cycles, periods)
-    # a mean of a block makes a line smaller, and so does a straight line between two samples
-    kept = (
-        np.sinc(cycles / len(values)) if are_blocks else 1.0 - (2 * np.pi * cycles / len(samples)) ** 2 / 12
-    )
-    found = replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
+    if are_blocks:  # whose means make a line smaller
+        kept = np.sinc(cycles / len(values))
+        found = replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
     return replace(found, untold=_untold(found, rest))
 
 
@@ -140,15 +139,25 @@ def _untold(found: SlowLines, rest: Floats) -> float:
 
 
 def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floats, bool]:
-    """Return values, as many in each period and two at least, and their places: means of blocks of samples,
-    as the third says, or values between two of these, at places all over the distance."""
-    blocks = max(BLOCKS, 2 * periods)
-    values = means_of_blocks(samples, periods, blocks)
-    if len(values) < len(samples) and len(values) % periods == 0:
-        return values, means_of_blocks(place, periods, blocks), True
-    count = len(values) // periods * periods
-    at: Floats = (np.arange(count) + 0.5) / count
-    return np.asarray(np.interp(at, place, samples)), at, False
+    """Return values, as many in each period and two at least, and their places, at equal distances: means of
+    parts of the distance, as the third says, or values between samples where these are few.
+
+    They follow a cubic spline: what a straight line between few samples of a ripple misses beats slowly, as a
+    line would, and so does what parts of equal time leave of a period whose speed drifts.
+    """
+    from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
+
+    rows = np.arange(len(samples))
+    within = min(BLOCKS, len(samples) // _ROWS_OF_BLOCK) // periods
+    curve = CubicSpline(rows, samples)
+    if within < 2:
+        count = max(2, min(BLOCKS, len(samples)) // periods) * periods
+        at: Floats = (np.arange(count) + 0.5) / count
+        return curve(np.interp(at, place, rows)), at, False
+    count = within * periods
+    edges = np.interp(np.arange(count + 1) / count, place, rows)
+    means = np.diff(curve.antiderivative()(edges)) / np.diff(edges)
+    return np.asarray(means), (np.arange(count) + 0.5) / count, True
 
 
 def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[SlowLines, Floats]:
