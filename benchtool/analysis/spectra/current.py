@@ -114,10 +114,11 @@ def current_spectrum(
     lines, taken = basis, found.taken
     if taken is not None:
         lines = replace(basis, window=f"{basis.window}, without {taken.words}")
+    quiet = spectrum_of(found.quiet)
     floor = without_changes(
-        noise_floor(clean, has_moved=has_moved, follows_signal=found.track.follows_signal),
-        clean,
-        found.steady.samples,
+        noise_floor(quiet, has_moved=has_moved, follows_signal=found.track.follows_signal),
+        quiet,
+        found.quiet,
         has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
         follows_signal=found.track.follows_signal,
         step=step,

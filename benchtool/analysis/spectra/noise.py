@@ -273,7 +273,9 @@ def followed_bins(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]
 
 def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:
     """Return the exponent of frequency with which the density changes in each band, by the medians of those
-    around."""
+    around, or by its own bins where there is no other."""
+    if len(bands) == 1:
+        return [_slope_within(square, bins)]
     # where a density rises or falls all through a band, its median is that of the bin in the middle
     centre = np.log([float(bins[(each.start + each.stop) // 2]) for each in bands])
     with np.errstate(divide="ignore"):
@@ -286,6 +288,14 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
         about = x - np.mean(x)
         found.append(float(about @ y) / float(about @ about) if known else 0.0)
     return found
+
+
+def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
+    """Return the exponent of frequency with which squares, shape (n,), in bins change."""
+    seen = (square > 0.0) & (bins > 0)
+    if np.count_nonzero(seen) < _FEWEST_BINS:
+        return 0.0
+    return float(np.polyfit(np.log(bins[seen]), np.log(square[seen]), 1)[0])
 
 
 def _median(values: NDArray[np.float64]) -> float:

@@ -17,6 +17,7 @@ from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC
 from benchtool.analysis.spectra.interharmonics import (
     Interharmonics,
     between_harmonics,
+    interharmonics,
     scatter_of_phases,
     together,
     without,
@@ -99,6 +100,13 @@ class Separation:
     def steady(self) -> SteadyAmplitude:
         """The harmonics without the course of their amplitude."""
         return with_steady_amplitude(self.cleaned, self.alone.amplitude, self.turns, FIRST_ROW)
+
+    @cached_property
+    def quiet(self) -> CoherentSamples:
+        """Those without what stands out between them: sidebands of an amplitude that swings fast, say, are of
+        the signal, and no noise."""
+        found = interharmonics(spectrum_of(self.steady.samples), len(self.coherent.values))
+        return self.steady.samples if found is None else without(self.steady.samples, found, self.course)
 
     def over_record(self, rate_Hz: float, channel: str) -> tuple[Wander, float]:
         """Return how the fundamental moves about the track to both ends of the record, and the standard

@@ -82,6 +82,20 @@ def test_a_drift_is_no_random_walk_of_the_mean() -> None:
     assert found["torque_mean"].uncertainty.standard < 1e-3
 
 
+@pytest.mark.parametrize("drift", [0.0, 0.05])
+def test_what_few_rows_of_a_ripple_miss_is_no_slow_line(drift: float) -> None:
+    """Sixty rows of a period beat with it; where the speed drifts, so do parts of equal time."""
+    for phase in np.linspace(0.0, 6.0, 7):
+        row = np.arange(109 * 60)
+        turned = 2 * np.pi * (row / 64.7 * (1.0 + drift * (row / len(row) - 1.0))) + phase
+        periods = int((turned[-1] - turned[0]) / (2 * np.pi))
+        within = turned < turned[0] + 2 * np.pi * periods
+        torque = 2.0 + 0.1 * np.cos(6 * turned + 0.3) + 0.05 * np.cos(3 * turned + 1.1)
+        torque += 2e-4 * np.random.default_rng(1).standard_normal(len(row))
+        place = (turned - turned[0]) / (2 * np.pi * periods)
+        assert slow_lines(torque[within], place[within], periods, 4) is None
+
+
 @pytest.mark.parametrize("memory", [0.0, 0.99, 0.9999])
 def test_noise_has_no_slow_lines(memory: float) -> None:
     from scipy.signal import lfilter
