@@ -16,7 +16,7 @@ RATE_HZ = 10e3
 
 def measured(current: Array, frequency_Hz: float) -> tuple[float, float, CurrentSpectrum]:
     """Return the floor of a current of 5 A with an exact angle, its uncertainty, and all else."""
-    theta = 2.0 * np.pi * frequency_Hz / RATE_HZ * np.arange(len(current))
+    theta = 2.0 * np.pi * frequency_Hz / RATE_HZ * np.arange(len(current), dtype=np.float64)
     block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=5.0 * np.cos(theta) + current)
     found = current_spectrum(block, "i_a", track_angle(theta, 1))
     floor = next(each for each in found.measurements if each.name == "current_noise_floor")
