@@ -36,6 +36,7 @@ _REACH = 0.7  # of the frequency: a local fit goes at most so far to either side
 _FAR = 0.04  # of the frequency, from the neighbour below to that above
 _SURE = 0.25  # of the smallest movement that matters: what is left of the error of a smooth curve
 _MOST_SMOOTHED = 8  # a smoothing window is at most this part of the frequencies
+_HOLE, _OF_A_HOLE = 4.0, 0.5  # of the distances beside it; of the frequency below
 _FINE, _FINER = 100, 2  # places between two frequencies, and between two of these
 _OF_A_CUBIC, _FEWEST_OF_SCATTER = 4, 20  # neighbours that leave one free; values that tell their scatter
 _OF_MEDIAN = 1.0 / 0.4549  # mean square over median square, of normal values
@@ -134,7 +135,8 @@ class ResponseCurve:
 
         The standard uncertainty is that of the fit and of the level, over the slope, what a longer window
         changes, and how far apart the errors let the first and the last crossing be; nan where the values are
-        below from the first on, infinite where neither they nor the local fit are clearly below anywhere.
+        below from the first on, infinite where neither they nor the local fit are clearly below anywhere, or
+        are first so behind a hole.
         """
         smooth = self.smooth
         below = smooth <= level
@@ -144,7 +146,7 @@ class ResponseCurve:
         if at == 0:
             return Point(float(self.frequency_Hz[0]), math.nan)
         clear = np.flatnonzero(self._clearly_below(level)[at:])
-        if len(clear) == 0:
+        if len(clear) == 0 or self._holes[at - 1]:
             return Point(float(self.frequency_Hz[at]), math.inf)
         found = self._crossing(at, level, level_error)
         # the errors may have raised values to the level up to where they are clearly below
@@ -227,8 +229,12 @@ class ResponseCurve:
     def resonance(self) -> tuple[float, float]:
         """Return the greatest of values in dB and its standard uncertainty, by the resonance about it;
         without one, `greatest`. Between few frequencies a lower crest may be the top of a higher resonance.
+        Beside a hole the uncertainty is infinite.
         """
         found, standard = self._resonance()
+        top = int(np.argmax(self.smooth))
+        if np.any(self._holes[max(0, top - 1) : top + 1]):
+            return found, math.inf
         if self.between is None:
             return found, standard
         for crest in self._crests():
@@ -358,6 +364,14 @@ class ResponseCurve:
         least = _LEAST_ERROR * max(float(np.max(np.abs(self.values))), self.movement)
         smallest = max(float(np.min(self.error)), least)
         return 1.0 / np.clip(self.error, least, _MOST_UNEQUAL * smallest) ** 2
+
+    @cached_property
+    def _holes(self) -> NDArray[np.bool_]:
+        """Whether frequencies that are not used, as where noise hides them, leave a hole between two, shape
+        (n - 1,): far wider than the distances beside it."""
+        wide = np.diff(self.frequency_Hz)
+        beside = np.maximum(np.append(0.0, wide[:-1]), np.append(wide[1:], 0.0))
+        return np.asarray((wide > _HOLE * beside) & (wide > _OF_A_HOLE * self.frequency_Hz[:-1]))
 
     @cached_property
     def _scatter(self) -> float:
