@@ -12,7 +12,7 @@ from benchtool.analysis.distributions import fisher_above
 
 _BY_CHANCE = 1e-3
 _HIGHEST = 7  # degree of the polynomials that show how a phase moves otherwise
-_FEWEST_PERIODS = 4
+_FEWEST_PERIODS = 3
 
 Floats = NDArray[np.float64]
 
