@@ -47,11 +47,11 @@ class PhaseTrack:
     `phase` gives rad over sample numbers 0 to `samples` - 1, increasing; as a low-order polynomial it follows
     a drift of the speed and nothing faster, so that oscillations within a period stay in the signal, where a
     spectrum shows them. Where the speed swings, `departure`, rad at sample numbers, is added;
-    `follows_signal` tells that this is the phase of the signal's own fundamental. `source` says
-    in words what it was made from, `residual_rad` is the rms deviation of a measured angle from the
-    polynomial, electrical, `measured_rad` that angle itself, shape (samples,), without jumps; None where the
-    track was not made from an angle. `resolution_rad` is the electrical step in which it counts, 0 where
-    it does not, and `pole_pairs` the electrical periods in a revolution of it.
+    `follows_signal` tells that this is the phase of the signal's own fundamental, which it tells up to the
+    sample number `told_to`. `source` says what it was made from, `residual_rad` is the rms deviation of a
+    measured angle from the polynomial, electrical, `measured_rad` that angle itself, shape (samples,),
+    without jumps; None where the track was not made from an angle. `resolution_rad` is the electrical step in
+    which it counts, 0 where it does not, and `pole_pairs` the electrical periods in a revolution of it.
     """
 
     phase: Polynomial
@@ -65,6 +65,7 @@ class PhaseTrack:
     resolution_rad: float = 0.0
     pole_pairs: int = 1
     follows_signal: bool = False
+    told_to: float = math.inf
 
     def at(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the phase, rad, at fractional sample numbers, shape (m,); beyond the record the departure is
@@ -127,10 +128,11 @@ class PhaseTrack:
 
     def period_marks(self) -> NDArray[np.float64]:
         """Return the sample numbers at which whole periods begin, the first at 0, and that at which the last
-        ends, shape (n + 1,)."""
+        ends whose phase is told, shape (n + 1,)."""
         begin = float(self.at(np.zeros(1))[0])
         phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
-        return self.sample_numbers(phase)
+        marks = self.sample_numbers(phase)
+        return marks[marks <= self.told_to]
 
     def period_rows(self) -> NDArray[np.int64]:
         """Return the rows that begin whole periods, the first at row 0, and the row after the last, shape (n

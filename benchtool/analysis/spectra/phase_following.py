@@ -371,7 +371,9 @@ def _by_tone(found: _Followed, name: str, least_rad: float) -> PhaseTrack | None
         own = np.asarray(spline(at) + drift(at), dtype=np.float64)
         return own if before is None else own + before(at)
 
-    return replace(track, departure=departure, source=f"{track.source}{added}", follows_signal=True)
+    told_to = FIRST_ROW + rows_of(track, found.coherent.periods)
+    source = f"{track.source}{added}"
+    return replace(track, departure=departure, source=source, follows_signal=True, told_to=told_to)
 
 
 def _extended(

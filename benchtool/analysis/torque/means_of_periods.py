@@ -21,6 +21,7 @@ FEWEST_PERIODS = 3
 """Fewest periods whose scatter is used."""
 
 _ALIKE = 3.0  # standard deviations of a correlation
+_ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
 _OF_LAST = 16  # one in so many
 
 
@@ -48,6 +49,15 @@ class Periods:
     def turns(self) -> Floats:
         """Where the rows of all periods are, from 0 to their number, shape (n,)."""
         return np.asarray(np.interp(np.arange(self.rows[-1]), self.edges, np.arange(len(self) + 1.0)))
+
+    def told(self, series: Floats) -> Floats:
+        """Return a series, shape (n,), without what is more than a period behind the last mark, where nothing
+        tells what repeats: the whole periods alone."""
+        last, edges = int(self.rows[-1]), self.edges
+        if not len(self):
+            return series
+        behind = len(series) - float(edges[-1]) - float(edges[-1] - edges[-2])
+        return series[:last] if behind > _ROWS_BEHIND else series
 
     def means(self, series: Floats) -> Floats:
         """Return the means of a series, shape (n,), over each period, from mark to mark: of the row that a
@@ -160,7 +170,8 @@ def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
     """
     edges = repeats.edges
     begin, counts = edges[:-1], np.diff(edges)
-    over = len(series) - float(edges[-1])
+    # one that ends between the last two rows is among those behind, and makes nothing of the mean
+    over = math.fmod(len(series) - float(edges[-1]), float(counts[-1]))
     parts = np.minimum(over * counts / counts[-1], counts)
     if not over > 0.0:
         return 0.0, 0.0

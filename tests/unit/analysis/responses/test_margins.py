@@ -35,13 +35,14 @@ def test_a_loop_of_two_integrators_has_the_margin_of_the_phase_that_falls_to_hal
 @pytest.mark.parametrize(("last_Hz", "is_known"), [(21.0, True), (150.0, False)])
 def test_nothing_is_read_where_frequencies_are_missing(last_Hz: float, is_known: bool) -> None:
     """Noise hides the response from 20 Hz to `last_Hz`, about the crossover and the greatest sensitivity."""
-    frequency_Hz = np.arange(10.0, 400.0, 10.0)
+    frequency_Hz = np.arange(10.0, 400.0, 10.0, dtype=np.float64)
     frequency_Hz = frequency_Hz[(frequency_Hz <= 20.0) | (frequency_Hz >= last_Hz)]
     s = 2j * math.pi * frequency_Hz
     omega, damping = 2.0 * math.pi * 30.0, 0.26
     opened = omega**2 / (s * (s + 2.0 * damping * omega))
     basis = Basis(samples=1000, sample_rate_Hz=1e4, duration_s=0.1)
-    closed, error = opened / (1.0 + opened), np.full(len(frequency_Hz), 0.01)
+    closed = np.asarray(opened / (1.0 + opened), dtype=np.complex128)
+    error = np.full(len(frequency_Hz), 0.01)
     found = {each.name: each for each in margins(frequency_Hz, closed, error, basis)}
     for name in ("crossover", "phase_margin", "sensitivity_peak"):
         assert math.isfinite(found[name].value) == is_known, name

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
+from benchtool.block import Block
+
+RATE_HZ = 10e3
 
 
 @pytest.mark.parametrize("offset", [-10.0, 10.0])
@@ -57,3 +61,40 @@ def test_rows_are_in_their_periods_where_the_marks_are() -> None:
     expected = [0.0, 1.0, 2.0, 3.0, 3.5 + 0.5 * 3.5 / 4.5]
     assert repeats.places(5) == pytest.approx(np.array(expected) / 7.0)
     assert repeats.places(10)[8:] == pytest.approx(1.0 + np.array([0.0, 1.0]) / 9.0)
+
+
+def test_a_period_that_ends_between_the_last_two_rows_leaves_no_part_of_one() -> None:
+    """Of 22.01 periods 22 are behind each other, and nine tenths of a row."""
+    for phase in np.linspace(0.0, 6.0, 9):
+        series = 0.1 * np.cos(2 * np.pi * 3 * np.arange(2042) / 92.777 + phase)
+        marks = 92.777 * np.arange(22.0)  # the 22nd ends behind the last row
+        rows = np.ceil(marks - 1e-6).astype(np.int64)
+        found = mean_over_periods(series, Periods(rows, marks=marks))
+        assert abs(found.mean) < 2e-6  # 4e-5 with the part
+
+
+def test_what_is_more_than_a_period_behind_the_last_mark_is_not_told() -> None:
+    repeats = Periods(np.array([0, 10, 20]))
+    for count, told in ((20, 20), (29, 29), (31, 31), (32, 20), (39, 20)):
+        assert len(repeats.told(np.zeros(count))) == told
+
+
+def test_a_mean_without_an_angle_is_over_periods_whose_phase_is_told() -> None:
+    """Where a speed swings within six periods, what its phase is behind the last whole one is a guess."""
+    relative, stated_Nm = [], []
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        time_s = np.arange(22_890) / RATE_HZ
+        swing = 0.08 * np.sin(2 * np.pi * 2.2 * time_s + random.uniform(0, 2 * np.pi))
+        theta = 2 * np.pi * 14.0 * time_s + swing + random.uniform(0, 2 * np.pi)
+        torque = 2.0 + 0.1 * np.cos(6 * theta) + 0.05 * np.cos(3 * theta)
+        torque += 1e-3 * random.standard_normal(len(theta))
+        current = 5.0 * np.cos(theta) + 5e-3 * random.standard_normal(len(theta))
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A", "torque": "Nm"}, i_a=current, torque=torque)
+        found = analyze_steady_state(block, pole_pairs=4, torque_rated_Nm=2.0)
+        mean = next(each for each in found.measurements if each.name == "torque_mean")
+        assert mean.uncertainty is not None
+        stated_Nm.append(mean.uncertainty.standard)
+        relative.append((mean.value - 2.0) / mean.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(relative))) < 1.6
+    assert np.median(stated_Nm) < 1.5e-5
