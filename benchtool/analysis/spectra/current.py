@@ -94,7 +94,9 @@ def current_spectrum(
     basis = _basis(found.coherent, spectrum, track)
     invalid = clipping(samples) or standing(samples)
     if not invalid and track.residual_rad is None:
-        invalid = turned_around(found.cleaned, found.seen, channel)
+        invalid = turned_around(
+            found.cleaned, found.seen, channel, None if found.close.lines is None else found.between
+        )
     sound = soundness(spectrum, found.seen, invalid, channel)
     clean, with_trend = spectrum_of(found.steady.samples), None
     if found.steady.trend is not None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy import fft
+from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.noise import harmonic_noise
 from benchtool.analysis.spectra.noise_of_lines import line_noise
@@ -16,7 +17,10 @@ from benchtool.analysis.statistics.regimes import STANDS_OUT, change_of_regime
 
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million
 _HIGHEST_TURNED, _QUARTERS, _TURNS = 13, 4, 0.5
+_CANCEL = 1.5  # times the most that a harmonic and lines beside it have together
 _LARGEST_WANDER_RAD = 0.1  # at which harmonic 5 reads an eighth low
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,26 +51,26 @@ def soundness(spectrum: CoherentSpectrum, seen: Wander, invalid: str, name: str)
     return Soundness(reason, reason)
 
 
-def turned_around(coherent: CoherentSamples, seen: Wander, name: str) -> str:
+def turned_around(
+    coherent: CoherentSamples, seen: Wander, name: str, with_lines: CoherentSamples | None = None
+) -> str:
     """Return why a record without an angle is of two regimes by its two strongest harmonics; empty if not.
 
     A current that reverses where it is greatest or least goes on as before, but for the phases of these.
+    Lines beside a harmonic explain a phase that turns as well, where they and it cancel each other: then it
+    is larger without them than it is anywhere in the record `with_lines`.
     """
-    table = coherent.values.reshape(coherent.periods, coherent.per_period)
-    highest = min(_HIGHEST_TURNED, coherent.per_period // 2 - 1)
-    parts = min(_QUARTERS, coherent.periods // 2)
-    if parts < 2 or highest < 2:
+    courses = _courses(coherent, seen)
+    if courses is None:
         return ""
-    order = np.arange(2, highest + 1)
-    phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(
-        -1j * np.outer(seen.phase_rad[: coherent.periods], order)
-    )
-    groups = np.array_split(phasors, parts)
-    means = np.array([np.mean(each, axis=0) for each in groups])
-    noise = np.sqrt(np.mean([np.var(each, axis=0, ddof=1) / len(each) for each in groups], axis=0))
+    means, noise = courses
+    order = np.arange(2, 2 + means.shape[1])
     size = np.mean(np.abs(means), axis=0)
     change = np.max(np.abs(means[:, np.newaxis] - means), axis=(0, 1))
     turned = (change > _TURNS * size + STANDS_OUT * noise) & (size > STANDS_OUT * noise)
+    if with_lines is not None and (courses := _courses(with_lines, seen)) is not None:
+        means, noise = courses
+        turned |= size > _CANCEL * np.max(np.abs(means), axis=0) + STANDS_OUT * noise
     for strongest in np.argsort(-size)[:2]:
         if turned[strongest]:
             return (
@@ -74,6 +78,24 @@ def turned_around(coherent: CoherentSamples, seen: Wander, name: str) -> str:
                 f"window: it reversed or changed its load; choose a window in steady state"
             )
     return ""
+
+
+def _courses(coherent: CoherentSamples, seen: Wander) -> tuple[NDArray[np.complex128], Floats] | None:
+    """Return the phasors of harmonics from the second on against the fundamental in parts of a record, shape
+    (parts, harmonics), and their noise; None of too short a record."""
+    table = coherent.values.reshape(coherent.periods, coherent.per_period)
+    highest = min(_HIGHEST_TURNED, coherent.per_period // 2 - 1)
+    parts = min(_QUARTERS, coherent.periods // 2)
+    if parts < 2 or highest < 2:
+        return None
+    order = np.arange(2, highest + 1)
+    phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(
+        -1j * np.outer(seen.phase_rad[: coherent.periods], order)
+    )
+    groups = np.array_split(phasors, parts)
+    means = np.array([np.mean(each, axis=0) for each in groups])
+    noise = np.sqrt(np.mean([np.var(each, axis=0, ddof=1) / len(each) for each in groups], axis=0))
+    return means, noise
 
 
 def _jump(seen: Wander, name: str) -> str:
