@@ -1,4 +1,4 @@
-"""A current that reverses near its greatest value, without an angle: no line beside a harmonic explains it."""
+"""A current that reverses near its greatest value, without an angle: no line beside a harmonic does that."""
 
 from __future__ import annotations
 
