@@ -137,7 +137,8 @@ def _instruments(record: Record) -> Instruments:
     """Return the sensors of the columns, and the clock that timed them."""
     stated, sensors = record.question.bench.channels, {}
     for what, channel in record.channels.items():
-        name = next((each for each in (*_names(channel.name), what) if each in stated), None)
+        called = (*_names(channel.name), what, _SENSED.get(what, what))
+        name = next((each for each in called if each in stated), None)
         if name is None:
             continue
         sensors[channel.name] = sensor = stated[name]

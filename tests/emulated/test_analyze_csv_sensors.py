@@ -43,7 +43,7 @@ def _report(folder: str) -> Result:
 SCOPE = ("--csv", "scope.csv", "--time", "t", "--current", "CH1")
 
 
-@pytest.mark.parametrize("key", ['"CH1 [A]"', "CH1", "current"])
+@pytest.mark.parametrize("key", ['"CH1 [A]"', "CH1", "current", "i_a"])
 def test_a_probe_counts_by_its_column_or_by_what_it_is(invoke: Invoke, key: str) -> None:
     Path("bench.toml").write_text(BENCH.replace('"CH1 [A]"', key), encoding="utf-8")
     without = measured(invoke(*SCOPE, "--json"))["measurements"]["current_fundamental"]
