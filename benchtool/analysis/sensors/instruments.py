@@ -130,24 +130,27 @@ class Instruments:
         effects = moved.effects if channels is None else [self._by_bandwidth(channels, each)]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
         known = [effect for effect in effects if isinstance(effect, Effect)] if not unknown else []
+        by_data = each.uncertainty
         each, by_lags = corrected(each, known, proportional=channels is not None)
         if unknown:
             each = without_uncertainty(each, "; ".join(unknown))
+        untold = [] if by_lags else [effect.of for effect in known]
         lines = [*moved.lines, *by_lags, *self._clock(each)]
         remarks = [self._unstated(each), *moved.remarks]
         if channels is not None:
             lines += [line for part in channels for line in self._lines(part, each)]
             remarks.append(self._of_noise(channels, each))
         lines = [line for line in lines if line.standard != 0.0]
-        if each.uncertainty is None:
-            remarks += [*unknown, _of_sensors_alone(lines, each.unit)]
+        if each.uncertainty is None and not (unknown or untold):
+            remarks.append(_of_sensors_alone(lines, each.unit))
+        elif each.uncertainty is None:
+            remarks += unknown or ([each.uncertainty_reason] if by_data is not None else [])
         basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
         each = replace(each, basis=basis)
         if not all(math.isfinite(line.standard) for line in lines):
             each = without_uncertainty(each, "it is not found again with another error of its sensors")
         if each.uncertainty is None:
-            taken = [effect.of for effect in known] if not by_lags else []
-            lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *taken)]
+            lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *untold)]
             return replace(each, of_sensors=tuple(lines))
         return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
 

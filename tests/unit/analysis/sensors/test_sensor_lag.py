@@ -72,12 +72,16 @@ def test_a_bandwidth_counts_for_each_harmonic_at_its_frequency() -> None:
 
 
 def test_beyond_its_bandwidth_a_sensor_may_have_two_poles() -> None:
-    bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=50.0)})
+    bench = Bench(channels={"i_a": sensor_of(bandwidth_Hz=50.0, gain_U_percent=1.0)})
     (line,) = applied(bench, reading("current_fundamental", 2.0, unit="A", frequency_Hz=60.0))
     _between(line, 2.0, 2.0 * math.hypot(1.0, 1.2**2))
     (lost,) = applied(bench, reading("current_fundamental", 2.0, unit="A", frequency_Hz=200.0))
     assert (lost.value, lost.uncertainty, lost.correction) == (2.0, None, None)
     assert "may have changed it by as much as is left" in lost.uncertainty_reason
+    # not that the data gave none, nor the gain alone as what the sensors come to
+    assert lost.basis.sensors == lost.uncertainty_reason
+    (silent,) = applied(bench, reading("current_fundamental", 2.0, None, "A", frequency_Hz=200.0))
+    assert silent.basis.sensors == ""
 
 
 def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
