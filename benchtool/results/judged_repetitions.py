@@ -17,7 +17,7 @@ from benchtool.telemetry import certificate_units
 Judge: TypeAlias = Literal["mean", "worst"]
 """What a limit over repetitions applies to, by `judge` of the plan."""
 
-_ALIKE = equally_likely(64)  # errors in common
+_ALIKE = equally_likely(256)  # errors in common
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _all_conform(limit: Limit, found: Sequence[Measurement]) -> float | None:
 
     Errors of instruments move all repetitions alike, and it is the mean over them. Others are taken as
     independent, and it is the least that it may be where they are not (Slepian, Bell Syst. Tech. J. 41 (1962)
-    463).
+    463). It is at most that of any one of them, which is what is left where they share nearly all errors.
     """
     own: list[tuple[float, float, Uncertainty]] = []
     for each in found:
@@ -105,4 +105,6 @@ def _all_conform(limit: Limit, found: Sequence[Measurement]) -> float | None:
     known = [[each for each in of_all if each is not None] for of_all in chances]
     if known != chances:
         return None
-    return float(np.mean([math.prod(of_all) for of_all in known]))
+    of_each = [limit.conformance(each.value, each.uncertainty) for each in found]
+    together = float(np.mean([math.prod(of_all) for of_all in known]))
+    return min([together, *(each for each in of_each if each is not None)])

@@ -181,6 +181,17 @@ def test_the_worst_conforms_with_the_probability_that_all_do(shared: float) -> N
     )
 
 
+@pytest.mark.parametrize("distance", [0.3, 1.0, 2.5, 3.5])
+def test_what_repetitions_have_in_common_alone_conforms_as_the_worst_does(distance: float) -> None:
+    """However far the bound is from them: all are beyond it at once."""
+    gain = Contribution("gain", "B", 0.05, instrument=InstrumentError("gain", "torque"))
+    known = Uncertainty(0.05, "each", budget=(gain,))
+    found = _all_conform(Limit(max=1.0 + 0.05 * distance), [_uncertain(each, known) for each in (1.0, 0.99)])
+    assert found == pytest.approx(float(stats.norm.cdf(distance)), abs=0.002)
+    assert found is not None
+    assert found <= float(stats.norm.cdf(distance)) + 1e-9
+
+
 def _uncertain(value: float, uncertainty: Uncertainty) -> Measurement:
     return Measurement("torque_mean", value, "Nm", "mean", uncertainty=uncertainty)
 
