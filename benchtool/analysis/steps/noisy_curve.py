@@ -254,12 +254,15 @@ class NoisyCurve:
         """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))
         first, last = rows_of_level(self.values, top)
-        if first < last:  # on one level of a converter
+        smoothed = self.beside is not None and bool(self.beside[top] > 0.0)
+        if first < last and not smoothed:  # on one level of a converter
             return Instant(*middle_of_level(self.values, top))
         vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
         # of a draw the parabola stands for a kink too: what both differ by is no noise
         smooth = top + parabola(self.values, top).beside
+        if first < last:  # means of readings on levels that happen to be alike, or are of one level
+            place = smooth = 0.5 * (first + last)
         drawn = self.values + self._turning
         tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
         moved = [at + parabola(each, int(at)).beside - smooth for each, at in zip(drawn, tops, strict=True)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -235,3 +236,21 @@ def test_steps_of_a_converter_make_no_corner_of_a_smooth_peak() -> None:
             0.0 if found is None else found.averaged((30.0, 2.0), (found.place, found.place_error))[0] - 30.0
         )
     assert max(np.abs(missed)) < 2.0
+
+
+def test_smoothed_readings_that_happen_to_be_alike_are_no_level_of_a_converter() -> None:
+    """Means of readings in steps are often alike a few rows apart, where noise decides which is greatest."""
+    random = np.random.default_rng(21)
+    rows, true = np.arange(400.0), 205.0
+    late = []
+    for _ in range(20):
+        drawn = ndimage.uniform_filter1d(random.standard_normal((41, 400)), 25, axis=1)
+        values = np.round(1.0 - (rows - true) ** 2 / 4e4 + 0.02 * drawn[0], 3)
+        top = int(np.argmax(values))
+        values[top + 2] = values[top]
+        curve = NoisyCurve(values, 0.02 * drawn[1:], beside=np.full(400, 0.98))
+        found = curve.place_of_greatest()
+        late.append((found.place - true) / found.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.5
+    read = replace(curve, beside=np.zeros(400))  # the samples themselves are on levels
+    assert read.place_of_greatest().standard < 2.0
