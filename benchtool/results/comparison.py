@@ -347,7 +347,12 @@ def _other_extent(one: Measurement, two: Measurement) -> str:
     here, there = one.basis, two.basis
     for first, second, unit, what in (
         (here.bin_Hz, there.bin_Hz, " Hz", "bins, which hold other shares of the noise: compare its density"),
-        (here.band, there.band, "", "bands within which it counts as settled, by step or noise of each record"),
+        (
+            here.band,
+            there.band,
+            "",
+            "bands within which it counts as settled, by step or noise of each record",
+        ),
         (here.span_s, there.span_s, " s", "times after the step, over which its samples count"),
     ):
         if first is not None and second is not None and abs(first - second) > _SAME * max(first, second):

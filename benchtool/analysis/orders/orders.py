@@ -14,6 +14,7 @@ from pydantic import Field
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
+from benchtool.analysis.named_after import named_after
 from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage, least_step_rad
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
@@ -75,7 +76,7 @@ class Orders:
 def order_analysis(
     block: Block,
     channel: str,
-    name: str = "torque",
+    name: str = "",
     *,
     angle: str = "theta_m",
     pole_pairs: int | None = None,
@@ -94,7 +95,7 @@ def order_analysis(
     Args:
         block: any recording; gaps are allowed.
         channel: what to analyse.
-        name: what the measurements and the table are named after ("torque", "current").
+        name: what the measurements and the table are named after; by default the channel, of omega_m "speed".
         angle: the channel with the mechanical angle, rad, wrapped or not.
         pole_pairs: p, to name the cause of an order in the definitions.
         slots: Q of the stator, for the same.
@@ -105,6 +106,7 @@ def order_analysis(
         AnalysisError: no such channel, a dead or clipped signal, fewer than two mechanical revolutions.
     """
     require_unclipped(block.column(channel), channel)
+    name = name or named_after(channel)
     return describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
+from benchtool.analysis.named_after import named_after
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Sensitivities
@@ -55,7 +56,7 @@ class SpectralLines:
 
 
 def spectral_lines(
-    block: Block, channel: str, name: str = "torque", *, rate_relative: float = 0.0
+    block: Block, channel: str, name: str = "", *, rate_relative: float = 0.0
 ) -> SpectralLines:
     """Return the largest sinusoids of a uniformly sampled channel, up to half the rate; no angle is needed.
 
@@ -65,12 +66,14 @@ def spectral_lines(
     or whose frequency drifts, they are the means over the record; what no such course explains has none
     (`steadiness`). What is slower than three periods in the record is not told from a drift: where it is more
     than the largest line, the largest is not known. `rate_relative` is the standard uncertainty of the sample
-    rate, relative to it, which is that of every frequency too.
+    rate, relative to it, which is that of every frequency too. The results are named after `name`, by default
+    after the channel, of omega_m after "speed".
 
     Raises:
         AnalysisError: a gap, no such channel, or a dead signal.
     """
     require_unbroken(block)
+    name = name or named_after(channel)
     samples, unit, rate_Hz = (
         np.ascontiguousarray(block.column(channel)),
         block.unit(channel),

@@ -20,7 +20,8 @@ from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import describe_orders, order_analysis
 from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, order_meaning
-from benchtool.block import Gap
+from benchtool.analysis.spectra import spectral_lines
+from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
 from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import COGGING, Array, block_of, steady, torque_at
@@ -475,3 +476,20 @@ def test_an_angle_that_counts_in_steps_is_left_as_it_is(rows: int) -> None:
 
 def _experimental(spectrum: OrderSpectrum) -> list[float]:
     return [spectrum.uncertainty(int(order)).experimental for order in spectrum.order]
+
+
+@pytest.mark.parametrize(("channel", "name"), [("torque", "torque"), ("omega_m", "speed"), ("i_a", "i_a")])
+def test_orders_and_lines_are_named_after_what_was_analysed(channel: str, name: str) -> None:
+    theta_m = 40.0 * np.arange(4000) / 2000.0
+    units = {"theta_m": "rad", channel: "1"}
+    block = Block.from_arrays(
+        2000.0, units, **{"theta_m": np.mod(theta_m, TURN), channel: np.cos(6.0 * theta_m)}
+    )
+    found = order_analysis(block, channel)
+    lines = spectral_lines(block, channel)
+    names = [each.name for of in (found, lines) for each in of.measurements]
+    names += [each.name for of in (found, lines) for each in of.tables]
+    assert f"{name}_order_largest" in names
+    assert f"{name}_line_frequency" in names
+    assert all(each.startswith(f"{name}_") for each in names)
+    assert order_analysis(block, channel, "shaft").measurements[0].name == "shaft_order_largest"
