@@ -282,7 +282,7 @@ SECTIONS: Final = (
         "Gain and phase of a loop or plant, from periods and without them, and what noise, drifts and steps "
         "of converters do to them (`benchtool.analysis.responses`).",
         """
-        0048 0207 0227 0295 0388 0389 0373 0372 0325 0425 0296
+        0048 0207 0227 0458 0295 0388 0389 0373 0372 0325 0425 0296
         """,
     ),
     Section(

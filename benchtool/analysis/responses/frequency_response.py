@@ -47,6 +47,7 @@ from benchtool.analysis.responses.periodic_response import (
     FEWEST_PERIODS,
     period_of,
     periodic_response,
+    periods_setting_in,
 )
 from benchtool.analysis.responses.swept_input import InputNoise, input_noise
 from benchtool.analysis.validity import require_signal
@@ -80,7 +81,8 @@ def frequency_response(
 
     An input that repeats itself is transformed over its whole `period` of samples, without a window and so
     without leakage, if the record holds four periods or more, or two that tell enough of the response; a
-    period that is not stated but shows in the input counts from four on. One
+    period that is not stated but shows in the input counts from four on, and periods in which the answer
+    sets in are left out (`periods_setting_in`). One
     with power at every frequency, as noise or a sweep has, is transformed over the whole record at once:
     `local_response`. Otherwise Welch's half-overlapping segments under a Hann window are averaged: `segment`
     samples each, by default so many that the record holds 16; a response that lasts longer than a segment, or
@@ -104,7 +106,7 @@ def frequency_response(
                 f"take both from one capture"
             )
     if period is not None and len(x) >= FEWEST_PERIODS * period:
-        found = _with_output_steps(periodic_response(x, y, sample_rate_Hz, period, stimulus), x, y, period)
+        found = _over_periods(x, y, sample_rate_Hz, period, stimulus)
         used, excited = np.count_nonzero(found.trusted), np.count_nonzero(found.well_excited)
         if len(x) >= ENOUGH_PERIODS * period or used >= _ENOUGH_TRUSTED * excited:
             return found
@@ -112,8 +114,24 @@ def frequency_response(
         if is_dense(r):
             return local_response(x, y, sample_rate_Hz, stimulus)
         if (own := period_of(r)) is not None:
-            return _with_output_steps(periodic_response(x, y, sample_rate_Hz, own, stimulus), x, y, own)
+            return _over_periods(x, y, sample_rate_Hz, own, stimulus)
     return averaged_response(x, y, sample_rate_Hz, segment, stimulus)
+
+
+def _over_periods(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    sample_rate_Hz: float,
+    period: int,
+    stimulus: NDArray[np.float64] | None,
+) -> FrequencyResponse:
+    """Return a response over the periods of an input in which the answer has set in."""
+    first = periods_setting_in(x, y, period, stimulus)
+    rows = slice(first * period, None)
+    x, y, r = x[rows], y[rows], None if stimulus is None else stimulus[rows]
+    found = _with_output_steps(periodic_response(x, y, sample_rate_Hz, period, r), x, y, period)
+    text = f", after {first} in which the answer sets in"
+    return replace(found, method=found.method + text) if first else found
 
 
 def _with_output_steps(

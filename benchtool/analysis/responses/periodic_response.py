@@ -37,6 +37,8 @@ _HALF = 0.5  # of the power: a signal has moved on
 _SAME = 1e-6  # of the power: it is the same again
 _NOTHING = 1e-30  # of the noise: a response below it is not detected
 _ROUNDING = 1e-12  # of the rms output, in a bin of its DFT
+_FEWEST_SETTLED = 3  # periods, of which the scatter of those that are alike tells
+_SETS_IN = 2.0  # times the most that a later period is off the mean of all later ones
 _FEWEST_LEVELS, _FEWEST_OF_OUTPUT = 16, 5  # of a converter; fewer of an input are those of a stimulus
 
 
@@ -109,6 +111,36 @@ def periodic_response(
         method=f"DFT over {periods} periods of {period} samples, rectangular window"
         + ("" if stimulus is None else ", at the lines of the stimulus"),
     )
+
+
+def periods_setting_in(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    period: int,
+    stimulus: NDArray[np.float64] | None = None,
+) -> int:
+    """Return in how many periods, at most half of them, the answer `y` to an input `x`, both of shape (n,),
+    sets in: what each has beyond the response is clearly more than what any later one has.
+
+    Where a stimulus begins with the record it is the answer from rest, in all frequencies with one sign: the
+    mean over the periods has its share of it, and their scatter shows it as if it were noise.
+    """
+    periods = len(x) // period
+    most = min(periods // 2, periods - _FEWEST_SETTLED)
+    of_x, of_y = (fft.rfft(each[: periods * period].reshape(periods, period))[:, 1:] for each in (x, y))
+    of_r = of_x if stimulus is None else fft.rfft(stimulus[: periods * period].reshape(periods, -1))[:, 1:]
+    lines = np.abs(np.mean(of_r, axis=0)) ** 2
+    at, tiny = lines > EXCITED * np.max(lines), np.finfo(np.float64).tiny
+    for first in range(most):
+        x_bins, y_bins = of_x[first:, at], of_y[first:, at]
+        x_mean, y_mean = np.mean(x_bins[1:], axis=0), np.mean(y_bins[1:], axis=0)
+        left = y_bins - np.conj(x_mean) * y_mean / np.maximum(np.abs(x_mean) ** 2, tiny) * x_bins
+        off = np.sum(np.abs(left - np.mean(left[1:], axis=0)) ** 2, axis=1)
+        later = periods - first - 1
+        by_noise = _SETS_IN * float(np.max(off[1:])) * (later + 1.0) / (later - 1.0)
+        if not off[0] > max(by_noise, _ROUNDING * float(np.sum(np.abs(y_mean) ** 2))):
+            return first
+    return max(0, most)
 
 
 def period_of(x: NDArray[np.float64]) -> int | None:

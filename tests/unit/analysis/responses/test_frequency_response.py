@@ -252,12 +252,33 @@ def test_few_periods_count_where_they_tell_enough_and_are_averaged_over_segments
     assert "2 periods" in frequency_response(x, y, RATE_HZ, period=1023).method
     lost = y + _noise(len(y), 30.0 * float(np.std(y)))
     assert "Welch" in frequency_response(x, lost, RATE_HZ, period=1023).method
-    assert "4 periods" in frequency_response(_prbs(4), _filtered(_prbs(4)), RATE_HZ, period=1023).method
+    x4, y4 = _prbs(5)[1023:], _filtered(_prbs(5))[1023:]
+    assert "4 periods" in frequency_response(x4, y4, RATE_HZ, period=1023).method
     assert "Welch" in frequency_response(x[:2000], y[:2000], RATE_HZ, period=1023).method
     with pytest.raises(AnalysisError, match="hold 1 whole periods of 1023, at least 2"):
         periodic_response(x[:1500], y[:1500], RATE_HZ, 1023)
     with pytest.raises(AnalysisError, match="half-overlapping segments"):
         averaged_response(x[:100], y[:100], RATE_HZ, segment=60)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_periods_in_which_the_answer_sets_in_are_left_out(noise: float) -> None:
+    """A square wave of 50 Hz from rest, of which the first period has the answer from rest as well."""
+    x = np.tile(np.repeat([1.0, -1.0], 100), 10)
+    y = _filtered(x) + _noise(len(x), noise)
+    found = frequency_response(x, y, RATE_HZ, period=200)
+    assert found.method.endswith("after 1 in which the answer sets in")
+    at = found.well_excited
+    off = np.abs(found.response[at] / _truth(found.frequency_Hz[at]) - 1.0)
+    if noise:
+        assert np.mean((off / found.error[at]) ** 2) == pytest.approx(2.0, rel=0.5)
+        settled = [
+            frequency_response(x[200:], _filtered(x)[200:] + _noise(1800, noise, seed), RATE_HZ, period=200)
+            for seed in range(10)
+        ]
+        assert sum("sets in" in each.method for each in settled) <= 1
+    else:
+        assert np.max(off) < 1e-3
 
 
 def test_what_is_not_reached_is_undefined_and_says_why() -> None:
