@@ -33,7 +33,7 @@ from benchtool.analysis.steps.passages import (
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, of_three, parabola, quartic
-from benchtool.analysis.steps.tops_on_levels import middle_of_level, rows_of_level
+from benchtool.analysis.steps.tops_on_levels import is_on_level, middle_of_level, rows_of_level
 
 Floats = NDArray[np.float64]
 
@@ -253,14 +253,14 @@ class NoisyCurve:
     def place_of_greatest(self) -> Instant:
         """Return where the greatest value is, between samples by a kink or a parabola."""
         top = int(np.argmax(self.values))
-        first, last = rows_of_level(self.values, top)
         smoothed = self.beside is not None and bool(self.beside[top] > 0.0)
-        if first < last and not smoothed:  # on one level of a converter
+        if not smoothed and is_on_level(self.values, top):
             return Instant(*middle_of_level(self.values, top))
         vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
         # of a draw the parabola stands for a kink too: what both differ by is no noise
         smooth = top + parabola(self.values, top).beside
+        first, last = rows_of_level(self.values, top)
         if first < last:  # means of readings on levels that happen to be alike, or are of one level
             place = smooth = 0.5 * (first + last)
         drawn = self.values + self._turning

@@ -12,7 +12,9 @@ Floats = NDArray[np.float64]
 
 _WIDER = 1.0  # rows, as both ends are uncertain by: less tells nothing of what a level is wider by
 _TOGETHER = 0.5  # of the rows from the first to the last on a level
-_NARROW, _BY_NOISE = 3.0, 1.0 / 6.0  # times narrower than the level before; of the width of that
+_SMOOTH, _CORNER = 2.0, 4.0  # ratio of the squared widths of two levels below a top, of depths one and two
+_NARROW = 3.0  # times narrower than the level before
+_BY_NOISE, _BY_LITTLE = 1.0 / 6.0, 1.0 / 12.0  # of the width of that, by noise that rows show, or do not
 
 
 def rows_of_level(values: Floats, top: int) -> tuple[int, int]:
@@ -51,6 +53,29 @@ def _is_noisy(values: Floats, first: int, last: int) -> bool:
     the rows from the first to the last, where a peak alone may do it."""
     alone = (values[:-2] == values[2:]) & (values[1:-1] != values[2:])
     return int(np.count_nonzero(alone) - np.count_nonzero(alone[max(0, first - 2) : last + 1])) > 0
+
+
+def _is_smooth(values: Floats, least: float, top: int) -> bool:
+    """Return whether values, shape (n,), widen below the row `top` as below a smooth peak from the level of
+    the least value on to that below it, and not as below a corner."""
+    lowest, highest = _around(values, least, top)
+    if lowest == 0 or highest == len(values):
+        return False
+    first, end = _around(values, max(float(values[lowest - 1]), float(values[highest])), top)
+    if first == 0 or end == len(values):
+        return False
+    return bool((end - first) ** 2 < math.sqrt(_SMOOTH * _CORNER) * (highest - lowest) ** 2)
+
+
+def is_on_level(values: Floats, top: int) -> bool:
+    """Return whether levels of a converter tell where the peak of values, shape (n,), is, and not its row
+    `top`: there are several on its level, or so many on the next, as below a smooth peak, that noise may have
+    read any of these so."""
+    if len(_read_there_and_back(values, top)) > 1:
+        return True
+    lower = float(np.max(values[values < values[top]], initial=-math.inf))
+    lowest, highest = _around(values, lower, top)
+    return highest - lowest > _NARROW and _is_smooth(values, lower, top)
 
 
 @dataclass(frozen=True)
@@ -112,13 +137,15 @@ def middle_of_level(values: Floats, top: int) -> tuple[float, float]:
     if wider < width + _WIDER:
         return middle, within
     smooth, corner = width**2 / (wider**2 - width**2), width / (wider - width)
-    share = 0.5 * (smooth + corner)
+    ahead = 0.5 * (smooth + corner)
     near, far = (
         0.5 * math.hypot(*(each.standard for each in ends)) for ends in ((begin, end), (earlier, later))
     )
     # a smooth peak goes a hundredth of a step beyond an edge once in a hundred records: a narrower level is
     # mostly one of noise, which reads it in any of the rows that are as little below it
-    of_noise = _BY_NOISE * max(0.0, wider - _NARROW * width) if _is_noisy(values, first, last) else 0.0
-    of_ends = math.hypot((1.0 + share) * max(near, of_noise), share * far)
+    share = _BY_LITTLE if _is_smooth(values, float(below), top) else 0.0
+    share = _BY_NOISE if _is_noisy(values, first, last) else share
+    of_noise = share * max(0.0, wider - _NARROW * width)
+    of_ends = math.hypot((1.0 + ahead) * max(near, of_noise), ahead * far)
     of_shape = 0.5 * (corner - smooth) * shift
-    return middle - share * shift, min(math.hypot(within, of_noise), math.hypot(of_ends, of_shape))
+    return middle - ahead * shift, min(math.hypot(within, of_noise), math.hypot(of_ends, of_shape))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
-from benchtool.analysis.steps.tops_on_levels import middle_of_level, rows_of_level
+from benchtool.analysis.steps.tops_on_levels import is_on_level, middle_of_level, rows_of_level
 
 
 def test_the_peak_of_a_level_is_told_by_the_level_below() -> None:
@@ -52,3 +53,25 @@ def test_rows_of_a_level_end_where_it_is_left_for_good() -> None:
     assert rows_of_level(np.array([0.0, 1, 2, 1, 2, 2, 2, 1, 2, 1, 0, 1, 2]), 2) == (2, 8)
     assert rows_of_level(np.array([0.0, 1, 2, 2, 1, 1, 1, 1, 2, 1]), 2) == (2, 3)
     assert rows_of_level(np.array([0.0, 1, 2, 2, 0, 2, 2]), 2) == (2, 3)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.05, 0.15])
+def test_few_rows_that_little_noise_reads_a_level_higher_are_not_the_peak(noise: float) -> None:
+    """A smooth peak that ends just below a level in noise that shows nowhere else, as its flanks are steep."""
+    random, rows, missed = np.random.default_rng(3), np.arange(200.0), []
+    for _ in range(300):
+        place = 100.0 + random.uniform()
+        read = np.round(0.49 - (rows - place) ** 2 / 300.0 + noise * random.standard_normal(200))
+        top = int(np.argmax(read))
+        if np.count_nonzero(read == read[top]) <= 3:
+            assert is_on_level(read, top)
+            found, standard = middle_of_level(read, top)
+            missed.append((found - place) / standard)
+    assert len(missed) > 20
+    assert 0.35 < float(np.sqrt(np.mean(np.square(missed)))) < 1.3
+
+
+def test_a_peak_of_one_row_between_others_of_their_own_levels_is_in_that_row() -> None:
+    assert not is_on_level(np.array([0.0, 1.0, 2.0, 4.0, 5.0, 4.0, 2.0, 1.0, 0.0]), 4)
+    corner = np.round(10.0 - 0.12 * np.abs(np.arange(200.0) - 100.0) + 0.45)
+    assert not is_on_level(np.where(np.arange(200) == 100, corner + 1.0, corner), 100)
