@@ -57,7 +57,7 @@ def test_rows_of_a_level_end_where_it_is_left_for_good() -> None:
 
 @pytest.mark.parametrize("noise", [0.02, 0.05, 0.15])
 def test_few_rows_that_little_noise_reads_a_level_higher_are_not_the_peak(noise: float) -> None:
-    """A smooth peak that ends just below a level in noise that shows nowhere else, as its flanks are steep."""
+    """A smooth peak that ends just below a level in noise that steep flanks do not show."""
     random, rows, missed = np.random.default_rng(3), np.arange(200.0), []
     for _ in range(300):
         place = 100.0 + random.uniform()
