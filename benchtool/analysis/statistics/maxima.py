@@ -29,6 +29,7 @@ _OCTAVES = 24  # of numbers of values
 _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the excess of three uniform values
 _LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
 _OF_HEAP, _APART = 3, 20.0  # maxima, and widths: of an exponential tail once in two thousand records
+_ALONE, _BELOW = 2, 5  # maxima beyond a heap of so many
 _IN_NEXT = 1.0 - math.sqrt(0.5)
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
@@ -61,12 +62,18 @@ def scatter_of_heap(maxima: Floats) -> float:
 
     Then it is in that heap again, or in one that is as far above it as the next is below: with the
     probability that something of which there was nothing in n is once in n (Jeffreys' prior: Beta
-    distribution of 1/2 and n + 1/2), of many 1 - sqrt(1/2).
+    distribution of 1/2 and n + 1/2), of many 1 - sqrt(1/2). One or two that are beyond a heap come again or
+    not with nearly that probability.
     """
     ordered = np.sort(maxima)[::-1]
     gaps, widths = ordered[_OF_HEAP - 1 : -1] - ordered[_OF_HEAP:], ordered[0] - ordered[_OF_HEAP - 1 : -1]
     ends = np.flatnonzero(gaps > _APART * widths)
-    return math.sqrt(_IN_NEXT * (1.0 - _IN_NEXT)) * float(gaps[ends[0]]) if len(ends) else 0.0
+    apart = float(gaps[ends[0]]) if len(ends) else 0.0
+    for alone in range(1, _ALONE + 1):
+        heap = ordered[alone : alone + _BELOW]
+        if not apart and len(heap) == _BELOW and ordered[alone - 1] - heap[0] > _APART * (heap[0] - heap[-1]):
+            apart = float(ordered[0] - heap[0])
+    return math.sqrt(_IN_NEXT * (1.0 - _IN_NEXT)) * apart
 
 
 def is_no_heavier_than_normal(deviations: Floats) -> bool:

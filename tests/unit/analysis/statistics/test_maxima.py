@@ -86,6 +86,17 @@ def test_the_largest_of_heaps_is_in_the_same_or_in_the_next() -> None:
     assert 0.7 < np.sqrt(np.mean(error**2)) < 1.6
 
 
+def test_a_rare_level_beyond_a_heap_comes_again_or_not() -> None:
+    # once in a record on average, as a code of a converter that noise hardly reaches
+    random = np.random.default_rng(10)
+    maxima = (random.random((400, 20)) < 0.05) + 1e-2 * random.random((400, 20))
+    stated = np.array([scatter_of_heap(each) for each in maxima])
+    largest = np.max(maxima, axis=1)
+    once = np.count_nonzero(maxima > 0.5, axis=1) == 1
+    assert np.all(stated[once] > 0.4)
+    assert float(np.std(largest)) == pytest.approx(float(np.mean(stated[once])), rel=0.15)
+
+
 def test_values_of_no_heaps_are_none() -> None:
     random = np.random.default_rng(9)
     for draw in (random.standard_normal, random.standard_exponential, random.random):
