@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 _BESIDE = 3  # neighbours on either side
 _TERMS = 3  # of a parabola
-_FAR = 7.0  # standard deviations of what the neighbours tell
+_FAR = 4.0  # standard deviations of what the neighbours tell
 _TINY = np.finfo(np.float64).tiny
 
 
