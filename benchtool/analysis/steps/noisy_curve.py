@@ -33,7 +33,12 @@ from benchtool.analysis.steps.passages import (
 from benchtool.analysis.steps.row_times import scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, of_three, parabola, quartic
-from benchtool.analysis.steps.tops_on_levels import is_on_level, middle_of_level, rows_of_level
+from benchtool.analysis.steps.tops_on_levels import (
+    is_on_level,
+    middle_of_level,
+    read_back,
+    rows_of_level,
+)
 
 Floats = NDArray[np.float64]
 
@@ -341,7 +346,8 @@ class NoisyCurve:
         outside.
 
         A curve that turns back just within a level of a converter may leave the band there or not: which it
-        is, is what most draws make of it.
+        is, is what most draws make of it. Where noise reads the last level outside there and back, the curve
+        enters after as many rows as are outside.
         """
         found = last_passage(self.values, level, band)
         if found is None:
@@ -351,7 +357,12 @@ class NoisyCurve:
         places = np.array([math.nan if each is None else each.place for each in drawn])
         is_either = self.is_on_levels and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
-        return Passage(most, found.reach, places).instant
+        instant = Passage(most, found.reach, places).instant
+        last = math.ceil(most) - 1
+        if not self.is_on_levels or not 0 <= last < len(self.values) - 1:
+            return instant
+        again, rows = read_back(self.values, last)  # by noise that rows at rest do not show
+        return Instant(instant.place - again, math.hypot(instant.standard, rows / math.sqrt(12.0)))
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

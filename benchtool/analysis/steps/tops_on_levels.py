@@ -1,4 +1,4 @@
-"""Where a peak is whose rows a converter reads on one level, which noise may read there and back."""
+"""Where a curve turns or passes that a converter reads on few levels, which noise may read there and back."""
 
 from __future__ import annotations
 
@@ -69,13 +69,29 @@ def _is_smooth(values: Floats, least: float, top: int) -> bool:
 
 def is_on_level(values: Floats, top: int) -> bool:
     """Return whether levels of a converter tell where the peak of values, shape (n,), is, and not its row
-    `top`: there are several on its level, or so many on the next, as below a smooth peak, that noise may have
-    read any of these so."""
+    `top`: there are several on its level, or so many on the next, as below a smooth peak or where noise
+    shows, that it may have read any of these so."""
     if len(_read_there_and_back(values, top)) > 1:
         return True
     lower = float(np.max(values[values < values[top]], initial=-math.inf))
     lowest, highest = _around(values, lower, top)
-    return highest - lowest > _NARROW and _is_smooth(values, lower, top)
+    is_of_noise = _is_smooth(values, lower, top) or _is_noisy(values, top, top)
+    return lowest > 0 and highest < len(values) and highest - lowest > _NARROW and is_of_noise
+
+
+def read_back(values: Floats, last: int) -> tuple[int, int]:
+    """Return in how many rows before the row `last`, the last on its level for good, values, shape (n,), were
+    on the level after it, there and back by noise, and over how many rows that went on; none where it is not
+    left."""
+    here, after = values[last], values[last + 1]
+    if here == after:
+        return 0, 0
+    others = np.flatnonzero((values[:last] != here) & (values[:last] != after))
+    first = int(others[-1]) + 1 if len(others) else 0
+    on_it = first + np.flatnonzero(values[first : last + 1] == here)
+    middle = int(on_it[len(on_it) // 2])
+    back = middle + np.flatnonzero(values[middle:last] == after)
+    return (len(back), last + 1 - int(back[0])) if len(back) else (0, 0)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tops_on_levels import is_on_level, middle_of_level, rows_of_level
+from benchtool.analysis.steps.tops_on_levels import is_on_level, middle_of_level, read_back, rows_of_level
 
 
 def test_the_peak_of_a_level_is_told_by_the_level_below() -> None:
@@ -75,3 +75,19 @@ def test_a_peak_of_one_row_between_others_of_their_own_levels_is_in_that_row() -
     assert not is_on_level(np.array([0.0, 1.0, 2.0, 4.0, 5.0, 4.0, 2.0, 1.0, 0.0]), 4)
     corner = np.round(10.0 - 0.12 * np.abs(np.arange(200.0) - 100.0) + 0.45)
     assert not is_on_level(np.where(np.arange(200) == 100, corner + 1.0, corner), 100)
+
+
+def test_a_level_is_left_after_as_many_rows_as_noise_reads_on_it() -> None:
+    """An answer that creeps over the edge of a level in noise that no row at rest shows."""
+    random, rows, missed = np.random.default_rng(6), np.arange(300.0), []
+    for _ in range(200):
+        place = 150.0 + random.uniform()
+        read = np.round(0.5 - 4.0 * np.tanh((rows - place) / 300.0) + 0.1 * random.standard_normal(300))
+        last = int(np.flatnonzero(read == 1.0)[-1])
+        again, zone = read_back(read, last)
+        missed.append(np.array([last + 0.5 - place, last + 0.5 - again - place, math.hypot(1.0, zone)]))
+    late, off, wide = np.array(missed).T
+    assert np.mean(late) > 5.0
+    assert abs(np.mean(off)) < 1.0
+    assert 0.4 < float(np.sqrt(np.mean((off / (wide / math.sqrt(12.0))) ** 2))) < 1.4
+    assert read_back(np.array([3.0, 2.0, 2.0, 1.0, 1.0]), 2) == (0, 0)
