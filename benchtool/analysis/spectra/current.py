@@ -433,8 +433,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "A",
             "A_n: mean square over bands of the bins between harmonics, each from the median / 0.8326, or "
             "where the density is steep the mean of the squares without lines; without what is taken out of "
-            "the harmonics; by second differences of successive periods where it changes and "
-            "these have less",
+            "the harmonics, and sidebands that stand out; by second differences of successive periods where "
+            "it changes and these have less",
             "of each band's power 1 / (ln 2 sqrt(bins)) of it, or of steep ones by how few bins hold most of "
             "it, or of differences 35 / 18 over their number; of the root, the rms of errors of a gamma "
             "distribution of that relative deviation; what a harmonic whose phase wanders leaks; where a "
