@@ -11,7 +11,7 @@ from benchtool.recording import Conditions
 def conditions(
     operator: str, serial_number: str, temperature_degC: float | None, instruments: Sequence[str]
 ) -> Conditions:
-    """Return what the operator states of a test.
+    """Return what the operator states of a test; an empty text states nothing.
 
     Raises:
         UsageError: the temperature is not finite.
@@ -21,5 +21,5 @@ def conditions(
         operator=operator,
         test_object_serial_number=serial_number,
         temperature_degC=temperature_degC,
-        instruments=tuple(instruments),
+        instruments=tuple(filter(str.strip, instruments)),
     )

@@ -67,3 +67,7 @@ def test_a_run_that_goes_on_states_the_same() -> None:
     assert words[words.index("--note") + 1] == "cold motor"
     assert words[words.index("--temperature") + 1] == "23.5"
     assert words.count("--instrument") == 2
+
+
+def test_an_empty_text_states_no_instrument() -> None:
+    assert conditions("", "", None, ["", " ", "scope 12"]).instruments == ("scope 12",)
