@@ -1,4 +1,5 @@
-"""Whether stated uncertainties hold: `python -m benchmarks.coverage [--json] [--repetitions N] [NAME ...]`.
+"""Whether stated uncertainties hold: `python -m benchmarks.coverage [--json] [--repetitions N] [NAME ...]`,
+or of families drawn at random, `python -m benchmarks.coverage --drawn N`.
 
 Of every family of signals random records are made, whose truth is known by construction, and analysed.
 Printed is for each measurement how often +-u, +-2u and +-U hold the truth and the rms of error / u; `null`
@@ -6,8 +7,8 @@ stands for a number that was refused with a reason, `uncounted` for one whose tr
 and `bound` for errors that are smaller than u because the
 family's sensors are always of one kind among those that the profile allows. Last come the quantiles of that
 rms over all answers. A pass over all families takes some ten minutes on two cores; a doubtful number is
-counted again by its family's name with more repetitions and another seed. Exit code 1 if any uncertainty is
-too small.
+counted again by its family's name with more repetitions and another seed. Drawn families are others with each
+seed, and what they are is printed where a number does not hold. Exit code 1 if any uncertainty is too small.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks.coverage.drawn import drawn_family
 from benchmarks.coverage.families import Score, scores
 from benchmarks.coverage.registry import FAMILIES
 
@@ -34,6 +36,11 @@ def score_family(name: str, repetitions: int, seed: int = 0) -> list[Score]:
     return list(scores(FAMILIES[name], repetitions, seed))
 
 
+def score_drawn(number: int, repetitions: int, seed: int = 0) -> list[Score]:
+    """Return the scores of one drawn family by its number."""
+    return list(scores(drawn_family(number, seed), repetitions, seed))
+
+
 def main() -> int:
     """Measure and print."""
     parser = argparse.ArgumentParser(
@@ -44,21 +51,30 @@ def main() -> int:
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="random records of each family")
     parser.add_argument("--seed", type=int, default=0, help="of the random records")
     parser.add_argument("--workers", type=int, default=2, help="processes")
+    parser.add_argument("--drawn", type=int, default=0, help="count so many families drawn at random")
     parser.add_argument("--narrow", action="store_true", help="print only what does not hold")
     options = parser.parse_args()
     names = [name for name in FAMILIES if not options.names or any(part in name for part in options.names)]
+    drawn = range(options.drawn)
     if not options.json:
         heads = ("family", "measurement", "n", "u", "2u", "U", "rms", "mean")
         print("{:30} {:32} {:>4} {:>5} {:>5} {:>5} {:>7} {:>7}".format(*heads))
     begin = time.perf_counter()
     with ProcessPoolExecutor(max_workers=options.workers) as pool:
         found: list[Score] = []
-        for part in pool.map(
-            partial(score_family, repetitions=options.repetitions, seed=options.seed), names
-        ):
+        counted = {"repetitions": options.repetitions, "seed": options.seed}
+        parts = (
+            pool.map(partial(score_drawn, **counted), drawn)
+            if drawn
+            else pool.map(partial(score_family, **counted), names)
+        )
+        for number, part in enumerate(parts):
             found.extend(part)
             if not options.json:
-                _print([each for each in part if not options.narrow or each.verdict in ("narrow", "wide")])
+                shown = [each for each in part if not options.narrow or each.verdict in ("narrow", "wide")]
+                _print(shown)
+                if drawn and any(each.verdict == "narrow" for each in part):
+                    print(drawn_family(number, options.seed).what, flush=True)
     counts = {
         verdict: sum(each.verdict == verdict for each in found)
         for verdict in ("holds", "wide", "bound", "narrow", "null", "uncounted")
@@ -69,7 +85,7 @@ def main() -> int:
     }
     if options.json:
         document = {
-            "families": len(names),
+            "families": len(drawn) or len(names),
             "repetitions": options.repetitions,
             "seed": options.seed,
             "seconds": round(time.perf_counter() - begin, 1),
@@ -82,7 +98,7 @@ def main() -> int:
         }
         print(json.dumps(document, indent=2, allow_nan=False))
     else:
-        print(f"{len(names)} families, {counts}, {time.perf_counter() - begin:.0f} s")
+        print(f"{len(drawn) or len(names)} families, {counts}, {time.perf_counter() - begin:.0f} s")
         print(f"rms of error / u, quantiles over {len(rms)} answers: {quantiles}")
     return 1 if counts["narrow"] else 0
 

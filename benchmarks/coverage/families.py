@@ -34,7 +34,7 @@ _CLEARLY = 2.0  # standard deviations of a share over so many repetitions
 
 @dataclass(frozen=True)
 class Family:
-    """A name, and a function that makes one record and measures it.
+    """A name, and a function that makes one record and measures it, of `what` where that is stated.
 
     `fixed_within_bound` tells of a bench that is always of one kind among those that its profile allows, such
     as a sensor of exactly the least bandwidth stated. An uncertainty is of all these kinds (JCGM 100:2008,
@@ -44,6 +44,7 @@ class Family:
     name: str
     trial: Trial
     fixed_within_bound: bool = False
+    what: object = None
 
 
 What = TypeVar("What")
@@ -56,7 +57,7 @@ def families_of(
 ) -> tuple[Family, ...]:
     """Return a family for each kind of record, by its name, of which `trial` makes one and measures it."""
     return tuple(
-        Family(name, partial(trial, what), fixed_within_bound(what)) for name, what in records.items()
+        Family(name, partial(trial, what), fixed_within_bound(what), what) for name, what in records.items()
     )
 
 
