@@ -27,6 +27,7 @@ from benchtool.plan.limits import Limit, Verdict
 from benchtool.report.assembly.comparison_front import _values, difference
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
+from tests.at_length import at_length
 
 BLOCK = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((1, 1)))
 
@@ -151,7 +152,7 @@ def test_k_comes_from_the_degrees_of_freedom_of_both() -> None:
     assert of_difference(Uncertainty(0.0, ""), Uncertainty(0.0, "")).expanded == 0.0
 
 
-@pytest.mark.parametrize("dof", [(2.0, 2.0), (4.0, 4.0), (9.0, 3.0), (math.inf, 4.0)])
+@pytest.mark.parametrize("dof", [(2.0, 2.0), (9.0, 3.0), *at_length(((4.0, 4.0),), ((math.inf, 4.0),))])
 def test_false_alarms_are_as_many_as_stated(dof: tuple[float, float]) -> None:
     """Two normal results of the same truth with estimated uncertainties: 5 % are to exceed, 2 u lets more."""
     random = np.random.default_rng(3)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from benchmarks.coverage.noise import coloured
 from benchtool.analysis import CurrentSpectrum, current_spectrum, track_angle
 from benchtool.block import Block
+from tests.at_length import at_length
 
 Array = NDArray[np.float64]
 RATE_HZ = 10e3
@@ -24,7 +25,7 @@ def measured(current: Array, frequency_Hz: float) -> tuple[float, float, Current
     return floor.value, floor.uncertainty.standard, found
 
 
-@pytest.mark.parametrize("swing_Hz", [20.3, 26.7])
+@pytest.mark.parametrize("swing_Hz", [26.7, *at_length(20.3)])
 def test_sidebands_of_an_amplitude_that_swings_fast_are_no_noise(swing_Hz: float) -> None:
     relative = []
     for seed in range(12):

@@ -454,7 +454,7 @@ def test_sidebands_act_on_amplitude_or_phase_whatever_the_phase_of_the_line(phas
     assert quadratures[0] < 0.1 * quadratures[1]
 
 
-@pytest.mark.parametrize("periods", [2, 3, 5])
+@pytest.mark.parametrize("periods", [2, 5, *at_length(3)])
 def test_the_interval_of_an_amplitude_of_few_periods_holds_it_as_often_as_stated(periods: int) -> None:
     """Few pairs of bins count in the standard uncertainty, and not once more in the factor k."""
     random, bins, held = np.random.default_rng(3), np.arange(12 * periods + 1), 0

@@ -240,7 +240,7 @@ def test_the_mean_of_a_slow_line_in_few_steps_is_known_as_well_as_these_let_it(s
     assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.6
 
 
-@pytest.mark.parametrize("cycles", [0.1, 0.3])
+@pytest.mark.parametrize("cycles", [0.3, *at_length(0.1)])
 def test_lines_within_part_of_a_cycle_do_not_tell_the_rms(cycles: float) -> None:
     """Of their beat the record shows that part: the mean square may be any between those at its nodes."""
     two = [
