@@ -51,8 +51,9 @@ def _shown_Hz(random: Random, what: Disturbance) -> float:
 
 def _lines(random: Random, what: Disturbance) -> Disturbance:
     apart = min(0.5, 1.5 / what.periods)
-    orders = random.integers(0, 12, random.integers(1, 3)) + random.uniform(apart, 1.0 - apart)
-    return replace(what, lines=tuple((float(each), _between(random, 1e-3, 0.03)) for each in orders))
+    orders = random.choice(12, size=random.integers(1, 3), replace=False)
+    places = orders + random.uniform(apart, 1.0 - apart, len(orders))
+    return replace(what, lines=tuple((float(each), _between(random, 1e-3, 0.03)) for each in places))
 
 
 def _harmonics(random: Random, what: Disturbance) -> Disturbance:

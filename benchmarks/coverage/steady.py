@@ -23,7 +23,7 @@ from benchtool.analysis import Measurement, Uncertainty, analyze_steady_state, o
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
-_WHITE = 0.2  # of a step: less noise does not make its errors white
+_WHITE, _OF_OTHER_KINDS = 0.2, 1.0  # of a step: less noise does not make its errors white
 _OTHERS, _OF_NOISE = 2, ("current_noise_floor", "current_noise_density")
 
 
@@ -34,7 +34,8 @@ def trial(what: Disturbance, random: np.random.Generator) -> Iterator[Compared]:
         made.block, pole_pairs=POLE_PAIRS, torque_rated_Nm=TORQUE_NM, current_rated_A_rms=RATED_A_RMS
     )
     truths = dict(true_numbers(what, made, steady.spectrum))
-    if made.converter is not None and what.noise * AMPLITUDE_A < _WHITE * made.converter.step:
+    least = _WHITE if what.kind == "white" else _OF_OTHER_KINDS
+    if made.converter is not None and what.noise * AMPLITUDE_A < least * made.converter.step:
         truths |= _of_others(what, made, steady.measurements, random)
     yield from selected(steady.measurements, truths)
     for table in steady.tables:
