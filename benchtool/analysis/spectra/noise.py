@@ -20,6 +20,7 @@ _BAND_BINS = 16
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _STEEP = 0.25  # change of the logarithm of the density over a band, above which it is taken into account
 _BANDS_AROUND = 2
+_OF_LOGARITHM, _SURELY = math.pi / math.sqrt(6.0), 2.0  # deviation of that of an exponential; standard errors
 _MOVED_MOST = 10  # harmonics around which a wander of the phase may be seen
 _FEWEST_ALIKE = 1.5  # squares that hold the power of noise: of fewer its level is not told from below
 _SURE = 1e-2  # relative uncertainty of a power, below which its root has half of it
@@ -291,11 +292,15 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
 
 
 def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
-    """Return the exponent of frequency with which squares, shape (n,), in bins change."""
+    """Return the exponent of frequency with which squares, shape (n,), in bins change; 0 where it may be
+    chance."""
     seen = (square > 0.0) & (bins > 0)
     if np.count_nonzero(seen) < _FEWEST_BINS:
         return 0.0
-    return float(np.polyfit(np.log(bins[seen]), np.log(square[seen]), 1)[0])
+    place = np.log(bins[seen])
+    slope = float(np.polyfit(place, np.log(square[seen]), 1)[0])
+    by_chance = _OF_LOGARITHM / float(np.std(place)) / math.sqrt(len(place))
+    return slope if abs(slope) > _SURELY * by_chance else 0.0
 
 
 def _median(values: NDArray[np.float64]) -> float:
