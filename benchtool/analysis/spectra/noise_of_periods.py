@@ -27,6 +27,7 @@ _AS_ONE = 35.0 / 18.0  # second differences overlap: the sum of their squared co
 _ALIKE = 1e-3  # by chance, of the powers of two differences
 _LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
 _FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
+_FEWEST_BESIDE_A_STEP = 4  # periods: of three one difference tells no step from noise
 _OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
 _FEWEST_TO_SCATTER = 4  # powers
 _BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
@@ -137,7 +138,9 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
         square[:, 0] = beside
     of_orders, half = np.median(square, axis=0), square.shape[1] // 2
     lower, upper = float(np.mean(of_orders[:half])), float(np.mean(of_orders[half:]))
-    if samples.periods < _FEWEST_PERIODS and _is_more(lower, upper, half):
+    if samples.periods < _FEWEST_PERIODS and (
+        samples.periods < _FEWEST_BESIDE_A_STEP or _is_more(lower, upper, half)
+    ):
         return None  # a step, the power of whose part of a period falls with the square of the order
     of_each = np.mean(square, axis=1)
     order = np.argsort(of_each)

@@ -209,3 +209,12 @@ def test_a_step_is_seen_in_few_periods_of_noise() -> None:
         assert each.amplitude == pytest.approx(truth, rel=0.2)
         errors.append((each.amplitude - truth) / (each.relative_error * each.amplitude))
     assert float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+@pytest.mark.parametrize("phase_rad", [0.0, 0.7, 2.2])
+def test_one_difference_of_three_periods_tells_no_step_from_noise(phase_rad: float) -> None:
+    """A step near the end of a period has orders of about one size in it."""
+    place = (np.arange(3 * _PER_PERIOD) + 0.5) / (3 * _PER_PERIOD)
+    wave = np.where(place < 0.66, 1.0, 1.056) * np.cos(6 * np.pi * place + phase_rad)
+    wave += _NOISE * np.random.default_rng(3).standard_normal(len(place))
+    assert _floors(wave, 3)[1] is None
