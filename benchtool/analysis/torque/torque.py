@@ -116,7 +116,16 @@ def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
     step_s, coarse_step_s = fine.stride * fine.tick_s, coarse.stride * coarse.tick_s
     offset_s = fine.first_tick * fine.tick_s - coarse.first_tick * coarse.tick_s
     row = Polynomial([offset_s / coarse_step_s, step_s / coarse_step_s])
-    return PhaseTrack(track.phase(row), len(fine.data), track.source, track.residual_rad)
+    departure = track.departure
+    return PhaseTrack(
+        track.phase(row),
+        len(fine.data),
+        track.source,
+        track.residual_rad,
+        departure=None if departure is None else lambda numbers: departure(row(numbers)),
+        follows_signal=track.follows_signal,
+        told_to=(track.told_to * coarse_step_s - offset_s) / step_s,
+    )
 
 
 _NUMBERS: Final = (
@@ -234,7 +243,7 @@ def _of_transducer(window: Window) -> tuple[Measurement, ...]:
         window.block,
         estimate=estimate,
         torque_rated_Nm=window.torque_rated_Nm,
-        track=window.track,
+        track=_followed(window),
         pole_pairs=window.pole_pairs,
     )
 
