@@ -15,7 +15,6 @@ from benchtool.analysis import (
     CoherentSamples,
     CoherentSpectrum,
     Measurement,
-    Reference,
     coherent_spectrum,
     current_spectrum,
     harmonic_noise,
@@ -33,19 +32,9 @@ from benchtool.analysis.spectra.spectrum import spectrum_of as spectrum_of_sampl
 from benchtool.analysis.uncertainty import combined
 from benchtool.block import Block, Channel
 from tests.at_length import at_length
+from tests.unit.analysis.spectra.lines_in_noise import RATE_HZ, SAMPLES, SIGMA, spectrum_of
 
-RATE_HZ = 10e3
-SAMPLES = 20_065  # 100 periods and the margins of the interpolation
-SIGMA = 0.01
 Array = NDArray[np.float64]
-
-
-def spectrum_of(content: dict[float, float], seed: int, samples: int = SAMPLES) -> CoherentSpectrum:
-    """Harmonics by order and amplitude at 50 Hz, in white Gaussian noise of rms SIGMA."""
-    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
-    clean = np.sum([amplitude * np.cos(order * theta_e) for order, amplitude in content.items()], axis=0)
-    noise = np.random.default_rng(seed).normal(0.0, SIGMA, samples)
-    return coherent_spectrum(clean + noise, RATE_HZ, track_angle(theta_e, 1))
 
 
 @pytest.mark.parametrize("content", [{1: 1.0}, {1: 1.0, 2.5: 0.3, 5: 0.2, 7.1: 0.5, 11: 0.1}])
@@ -184,82 +173,6 @@ def test_an_amplitude_scatters_by_its_uncertainty() -> None:
         amplitudes = [harmonics(spectrum)[order - 1] for spectrum in spectra]
         claimed = [harmonic_noise(spectrum, 5)[order - 1] for spectrum in spectra]
         assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(amplitudes), rel=0.2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("reference", list(Reference))
-def test_a_distortion_scatters_by_its_uncertainty(reference: Reference) -> None:
-    # a fundamental not much above its harmonics, so that its own uncertainty counts
-    found = [
-        total_harmonic_distortion(spectrum_of({1: 0.3, 3: 0.2, 5: 0.2}, seed, 4065), 7, reference, 2.0)
-        for seed in range(300)
-    ]
-
-    assert_holds([each.ratio for each in found], [each.standard for each in found])
-
-
-def test_noise_alone_reads_the_distortion_that_is_foretold() -> None:
-    found = [total_harmonic_distortion(spectrum_of({1: 1.0}, seed, 4065)) for seed in range(50)]
-
-    ratios = np.array([each.ratio for each in found])
-    assert np.sqrt(np.mean(ratios**2)) == pytest.approx(np.mean([each.noise for each in found]), rel=0.1)
-
-
-@pytest.mark.parametrize("third", [0.0, 0.002, *at_length(0.001, 0.005, 0.05)])
-def test_what_noise_adds_is_within_the_uncertainty_and_is_taken_out_of_the_corrected(third: float) -> None:
-    # 49 harmonics of noise read 0.0022, so that the lines are from nothing to far above it
-    spectra = [spectrum_of({1: 1.0, 3: third}, seed, 4065) for seed in range(60)]
-    found = [
-        total_harmonic_distortion(spectrum, 50, reference)
-        for spectrum in spectra
-        for reference in (Reference.FUNDAMENTAL, Reference.TOTAL)
-    ]
-
-    measured = [abs(each.ratio - third) < 2.0 * each.standard for each in found]
-    corrected = [abs(each.corrected - third) < 2.0 * each.corrected_standard for each in found]
-    assert np.mean(measured) > 0.9
-    assert np.mean(corrected) > 0.9
-    # the squares are right on average, the roots cannot be below zero
-    squares = np.array([each.ratio**2 - each.noise**2 for each in found])
-    assert np.mean(squares) == pytest.approx(third**2, abs=5 * np.std(squares) / math.sqrt(len(spectra)))
-    assert all(each.is_upper_bound == (each.ratio < 2 * each.noise) for each in found)
-    assert {each.is_upper_bound for each in found} == {third < 0.002} or third == 0.002
-
-
-@pytest.mark.slow
-def test_the_corrected_distortion_scatters_by_its_uncertainty() -> None:
-    found = [
-        total_harmonic_distortion(spectrum_of({1: 1.0, 3: 0.006, 5: 0.006}, seed, 4065))
-        for seed in range(300)
-    ]
-
-    assert_holds([each.corrected for each in found], [each.corrected_standard for each in found])
-
-
-def assert_holds(values: list[float], claimed: list[float]) -> None:
-    """The rms of deviation over uncertainty is about 1; one record in twenty shows noise that rises towards a
-    line by chance, and claims twice as much as it should."""
-    z = (np.array(values) - np.mean(values)) / np.array(claimed)
-    assert np.sqrt(np.mean(z**2)) == pytest.approx(1.0, abs=0.2)
-    assert 0.92 <= np.mean(np.abs(z) <= 2.0) <= 0.985
-    assert np.median(claimed) == pytest.approx(np.std(values), rel=0.25)
-
-
-def test_without_lines_the_corrected_distortion_is_uncertain_by_the_noise_alone() -> None:
-    """Harmonics of just the noise's mean square n^2: nothing is left, and each square deviates by n^2."""
-    n, periods, orders = 1e-3, 400, 50
-    amplitude = np.full(periods * (orders + 1), n * math.sqrt(math.log(2.0)))  # the median of such noise
-    amplitude[periods::periods] = n
-    amplitude[periods] = 1.0
-    phasor = np.asarray(amplitude, dtype=np.complex128)
-    spectrum = CoherentSpectrum(0.1 * np.arange(float(len(amplitude))), amplitude, periods, 1e5, phasor)
-
-    found = total_harmonic_distortion(spectrum)
-
-    assert found.corrected == pytest.approx(0.0, abs=1e-4)
-    of_squares = n**2 * math.sqrt(orders - 1)
-    # these bins are all in phase, as noise is not, and the noise about each line is read off few of them
-    assert found.corrected_standard == pytest.approx(0.5 * math.sqrt(2.0 * of_squares), rel=0.4)
 
 
 @pytest.mark.parametrize(("samples", "frequency_Hz"), [(1_000, 97.3), (4_000, 411.0)])

@@ -1,0 +1,19 @@
+"""Spectra of lines in white noise of known size."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchtool.analysis import CoherentSpectrum, coherent_spectrum, track_angle
+
+RATE_HZ = 10e3
+SAMPLES = 20_065  # 100 periods and the margins of the interpolation
+SIGMA = 0.01
+
+
+def spectrum_of(content: dict[float, float], seed: int, samples: int = SAMPLES) -> CoherentSpectrum:
+    """Harmonics by order and amplitude at 50 Hz, in white Gaussian noise of rms SIGMA."""
+    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
+    clean = np.sum([amplitude * np.cos(order * theta_e) for order, amplitude in content.items()], axis=0)
+    noise = np.random.default_rng(seed).normal(0.0, SIGMA, samples)
+    return coherent_spectrum(clean + noise, RATE_HZ, track_angle(theta_e, 1))

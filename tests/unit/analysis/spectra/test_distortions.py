@@ -1,0 +1,88 @@
+"""Distortions of lines in noise of known size, against the uncertainties that they claim."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import CoherentSpectrum, Reference, total_harmonic_distortion
+from tests.at_length import at_length
+from tests.unit.analysis.spectra.lines_in_noise import spectrum_of
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reference", list(Reference))
+def test_a_distortion_scatters_by_its_uncertainty(reference: Reference) -> None:
+    # a fundamental not much above its harmonics, so that its own uncertainty counts
+    found = [
+        total_harmonic_distortion(spectrum_of({1: 0.3, 3: 0.2, 5: 0.2}, seed, 4065), 7, reference, 2.0)
+        for seed in range(300)
+    ]
+
+    assert_holds([each.ratio for each in found], [each.standard for each in found])
+
+
+def test_noise_alone_reads_the_distortion_that_is_foretold() -> None:
+    found = [total_harmonic_distortion(spectrum_of({1: 1.0}, seed, 4065)) for seed in range(50)]
+
+    ratios = np.array([each.ratio for each in found])
+    assert np.sqrt(np.mean(ratios**2)) == pytest.approx(np.mean([each.noise for each in found]), rel=0.1)
+
+
+@pytest.mark.parametrize("third", [0.0, 0.002, *at_length(0.001, 0.005, 0.05)])
+def test_what_noise_adds_is_within_the_uncertainty_and_is_taken_out_of_the_corrected(third: float) -> None:
+    # 49 harmonics of noise read 0.0022, so that the lines are from nothing to far above it
+    spectra = [spectrum_of({1: 1.0, 3: third}, seed, 4065) for seed in range(60)]
+    found = [
+        total_harmonic_distortion(spectrum, 50, reference)
+        for spectrum in spectra
+        for reference in (Reference.FUNDAMENTAL, Reference.TOTAL)
+    ]
+
+    measured = [abs(each.ratio - third) < 2.0 * each.standard for each in found]
+    corrected = [abs(each.corrected - third) < 2.0 * each.corrected_standard for each in found]
+    assert np.mean(measured) > 0.9
+    assert np.mean(corrected) > 0.9
+    # the squares are right on average, the roots cannot be below zero
+    squares = np.array([each.ratio**2 - each.noise**2 for each in found])
+    assert np.mean(squares) == pytest.approx(third**2, abs=5 * np.std(squares) / math.sqrt(len(spectra)))
+    assert all(each.is_upper_bound == (each.ratio < 2 * each.noise) for each in found)
+    assert {each.is_upper_bound for each in found} == {third < 0.002} or third == 0.002
+
+
+@pytest.mark.slow
+def test_the_corrected_distortion_scatters_by_its_uncertainty() -> None:
+    found = [
+        total_harmonic_distortion(spectrum_of({1: 1.0, 3: 0.006, 5: 0.006}, seed, 4065))
+        for seed in range(300)
+    ]
+
+    assert_holds([each.corrected for each in found], [each.corrected_standard for each in found])
+
+
+def assert_holds(values: list[float], claimed: list[float]) -> None:
+    """The rms of deviation over uncertainty is about 1; one record in twenty shows noise that rises towards a
+    line by chance, and claims twice as much as it should."""
+    z = (np.array(values) - np.mean(values)) / np.array(claimed)
+    assert np.sqrt(np.mean(z**2)) == pytest.approx(1.0, abs=0.2)
+    assert 0.92 <= np.mean(np.abs(z) <= 2.0) <= 0.985
+    assert np.median(claimed) == pytest.approx(np.std(values), rel=0.25)
+
+
+def test_without_lines_the_corrected_distortion_is_uncertain_by_the_noise_alone() -> None:
+    """Harmonics of just the noise's mean square n^2: nothing is left, and each square deviates by n^2."""
+    n, periods, orders = 1e-3, 400, 50
+    amplitude = np.full(periods * (orders + 1), n * math.sqrt(math.log(2.0)))  # the median of such noise
+    amplitude[periods::periods] = n
+    amplitude[periods] = 1.0
+    phasor = np.asarray(amplitude, dtype=np.complex128)
+    spectrum = CoherentSpectrum(0.1 * np.arange(float(len(amplitude))), amplitude, periods, 1e5, phasor)
+
+    found = total_harmonic_distortion(spectrum)
+
+    assert found.corrected == pytest.approx(0.0, abs=1e-4)
+    of_squares = n**2 * math.sqrt(orders - 1)
+    # these bins are all in phase, as noise is not, and the noise about each line is read off few of them
+    assert found.corrected_standard == pytest.approx(0.5 * math.sqrt(2.0 * of_squares), rel=0.4)
