@@ -384,7 +384,11 @@ FREQUENCY_RESPONSE: Final = Analysis(
             "of a response of one unit, `T`: lowest frequency at which the open loop `L = T / (1 - T)`, "
             "unity feedback, has the gain 1; read above the frequencies at which noise hides `1 - T`",
         ),
-        Quantity(("phase_margin",), "deg", "180 degrees + phase of `L` at `crossover`"),
+        Quantity(
+            ("phase_margin",),
+            "deg",
+            "180 degrees + phase of `L` at `crossover`; none where its gain is above 1 again",
+        ),
         Quantity(("gain_margin",), "dB", "gain of `L` below 1 where its phase first falls to -180 degrees"),
         Quantity(
             ("sensitivity_peak",),

@@ -100,9 +100,13 @@ def _of_open_loop(
         unit, text = _OF_OPEN_LOOP["phase_margin"]
         uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
         margin = math.remainder(180.0 + math.degrees(angle), 360.0)
-        yield Measurement(
-            "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-        )
+        if (again_Hz := gain.rises_again_to(0.0)) is not None:
+            why = f"the gain is above 1 again at {again_Hz:.4g} Hz, as of a resonance: its margin counts too"
+            yield Measurement.undefined("phase_margin", unit, text, why, basis)
+        else:
+            yield Measurement(
+                "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
+            )
 
     unit, text = _OF_OPEN_LOOP["gain_margin"]
     if crossover is not None and not reason:

@@ -156,6 +156,15 @@ class ResponseCurve:
         lowest_Hz = float(self.frequency_Hz[0])
         return found if found.frequency_Hz > lowest_Hz else Point(lowest_Hz, math.nan)
 
+    def rises_again_to(self, level: float) -> float | None:
+        """Return the lowest frequency at which values are clearly above a level that they were clearly below
+        before; None where they stay below."""
+        below = np.flatnonzero(self._clearly_below(level))
+        upside_down = ResponseCurve(self.frequency_Hz, -self.values, self.error, self.movement)
+        above = np.flatnonzero(upside_down._clearly_below(-level))
+        again = above[above > below[0]] if len(below) else below
+        return float(self.frequency_Hz[again[0]]) if len(again) else None
+
     def _clearly_below(self, level: float) -> NDArray[np.bool_]:
         """Return which of the values are below a level by more than errors of many values explain: together
         with the next one, as single values are by chance."""

@@ -46,3 +46,19 @@ def test_nothing_is_read_where_frequencies_are_missing(last_Hz: float, is_known:
     found = {each.name: each for each in margins(frequency_Hz, closed, error, basis)}
     for name in ("crossover", "phase_margin", "sensitivity_peak"):
         assert math.isfinite(found[name].value) == is_known, name
+
+
+@pytest.mark.parametrize(("damping", "is_known"), [(0.4, True), (0.01, False)])
+def test_a_resonance_above_the_crossover_leaves_no_one_phase_margin(damping: float, is_known: bool) -> None:
+    """Two masses: beyond the crossover at 20 Hz the gain may be above 1 again at 80 Hz."""
+    frequency_Hz = np.geomspace(2.0, 500.0, 300)
+    s = 2j * math.pi * frequency_Hz
+    omega, twisting = 2.0 * math.pi * 20.0, 2.0 * math.pi * 80.0
+    opened = omega / s * twisting**2 / (s**2 + 2.0 * damping * twisting * s + twisting**2)
+    basis = Basis(samples=1000, sample_rate_Hz=1e4, duration_s=0.1)
+    closed = np.asarray(opened / (1.0 + opened), dtype=np.complex128)
+    found = {each.name: each for each in margins(frequency_Hz, closed, np.full(300, 1e-3), basis)}
+    assert found["crossover"].value == pytest.approx(20.0, rel=0.1)
+    assert math.isfinite(found["phase_margin"].value) == is_known
+    if not is_known:
+        assert "above 1 again at 68" in found["phase_margin"].reason
