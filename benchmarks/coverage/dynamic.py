@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 
 RATE_HZ = 10_000.0
 _BEFORE_S = 0.02
+_AWAY = 0.01  # of the step: from zero
 _VARIED = 0.93, 1.07  # of corner and damping, from record to record
 
 
@@ -101,6 +102,8 @@ class Stepped:
     untold: bool = False
     drift: float = 0.0
     kind: Kind = "white"
+    of_noise: tuple[float, float] = 1.0, 1.0  # where the answer is zero, and where it is one
+    gated: bool = False  # by whether the answer is away from zero, not in proportion to it
     ripple: tuple[float, float] = (0.0, 0.0)  # relative to the step, Hz
     bits: int = 0
     spikes: tuple[float, int, int] = (
@@ -123,7 +126,10 @@ class Stepped:
         largest, spikes, samples = self.spikes
         for at in random.integers(5, len(noise) - 8, spikes):
             noise[at : at + samples] += largest * random.choice([-1, 1]) * random.uniform(0.3, 1.0)
-        return self.answer(time_s) + noise + self.drift * time_s
+        answer = self.answer(time_s)
+        away = np.abs(answer) > _AWAY if self.gated else np.abs(answer)
+        at_zero, at_one = self.of_noise
+        return answer + (at_zero + (at_one - at_zero) * away) * noise + self.drift * time_s
 
 
 @dataclass(frozen=True)

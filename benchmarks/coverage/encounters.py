@@ -66,6 +66,12 @@ STEPPED: Mapping[str, Stepped] = {
     "step_faster_than_samples": Stepped(Lag(900.0), 3e-3),
     "step_bursts": Stepped(Lag(60.0, 0.5), 5e-3, kind="bursts"),
     "step_lag1_heavy_bits_9": Stepped(Lag(50.0), 5e-3, kind="heavy", bits=9),
+    "pulse_from_silence": Stepped(Lag(60.0, 0.5), 5e-3, of_noise=(0.0, 1.0), pulse_s=0.1),
+    "pulse_from_silence_held": Stepped(
+        Lag(150.0), 3e-3, of_noise=(0.0, 1.0), gated=True, pulse_s=0.04, duration_s=0.09, held=True
+    ),
+    "step_of_noise_with_answer": Stepped(Lag(100.0), 1e-2, of_noise=(0.1, 1.0)),
+    "step_into_calm": Stepped(Lag(100.0), 1e-2, of_noise=(1.0, 0.02)),
     "pulse_drift": Stepped(Lag(90.0, 0.5), 3e-3, pulse_s=0.09, drift=0.2),
     "ramp_bits_10": Stepped(Lag(100.0, 0.5), 2e-3, rise_s=0.01, bits=10),
 }

@@ -20,11 +20,12 @@ from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
 from benchtool.analysis.statistics.scatter import error_of_record, error_of_series
 from benchtool.analysis.statistics.tail import tail_index, tail_indices_of_heavy
+from benchtool.analysis.steps.bursts import LOUD
 from benchtool.analysis.steps.converter_levels import left_beside_a_line
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
-from benchtool.analysis.steps.smoothing import Noise, without_a_line
+from benchtool.analysis.steps.smoothing import Noise, UnevenNoise, without_a_line
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,7 @@ _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _PLACES = 32  # in which an instant may be, each as likely
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
+_ON_THE_WAY = "noise of the samples on their way"
 _TIMES = "times of the samples, which scatter"
 
 
@@ -57,11 +59,12 @@ class ArrivedSamples:
     added: the smooth curve while they are on their way, and their mean at rest, of which there are the last
     `at_rest`.
 
-    `noise` is that about the course, `step` that of a converter, of whose errors `left` is the standard
-    uncertainty of the mean. Of shape (n,) are `of_course`, the standard deviation of what noise has left in
-    the course, `of_rest`, how much of the noise that leaves about it, and `of_times`, the standard deviation
-    of each value because its time is not known. `rows`, shape (rows,), are those in which they may as well
-    begin, moved by noise or not, and `shares` how likely each is.
+    `noise` is that about the course, but for that `on_the_way` where this is another than at rest; `step` is
+    that of a converter, of whose errors `left` is the standard uncertainty of the mean. Of shape (n,) are
+    `of_course`, the standard deviation of what noise has left in the course, `of_rest`, how much of the noise
+    that leaves about it, and `of_times`, the standard deviation of each value because its time is not known.
+    `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and `shares` how
+    likely each is.
     """
 
     samples: Floats
@@ -77,6 +80,7 @@ class ArrivedSamples:
     noise: Noise
     step: float
     left: float
+    on_the_way: UnevenNoise | None = None
 
     @classmethod
     def of(
@@ -110,7 +114,11 @@ class ArrivedSamples:
             settled = samples[rest:]
             course[rest:] = settled - without_a_line(settled) if drifts else np.mean(settled)
             noise = Noise.of(settled)
-        of_course = _in_course(curve.errors[:, first:end], noise.rms, begin)
+        on_the_way = _unlike(curve.uneven, noise, first, rest)
+        rms: float | Floats = noise.rms
+        if on_the_way is not None:
+            rms = np.concatenate([on_the_way.rms, np.full(end - max(first, rest), noise.rms)])
+        of_course = _in_course(curve.errors[:, first:end], rms, begin)
         of_rest = np.ones(end - first) if curve.beside is None else curve.beside[first:end].copy()
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
@@ -131,6 +139,7 @@ class ArrivedSamples:
             noise=noise,
             step=step,
             left=max(left_of_steps(noise.rms, step), left_beside_a_line(samples[rest:], step)),
+            on_the_way=on_the_way,
         )
 
     @property
@@ -146,7 +155,7 @@ class ArrivedSamples:
     def of_mean(self) -> Uncertainty | None:
         """Return the uncertainty of the mean."""
         of_times = float(np.sqrt(np.sum(self.of_times**2))) / len(self.values)
-        noise = [self._of_mean(), Contribution(_TIMES, "A", of_times)]
+        noise = [self._of_mean(), *self._of_mean_on_the_way(), Contribution(_TIMES, "A", of_times)]
         return _combined(noise, self._of_rows(self.rows, lambda each: float(np.mean(each))), self.left)
 
     def of_greatest(self, side: Side = np.positive) -> Uncertainty | None:
@@ -155,6 +164,7 @@ class ArrivedSamples:
         noise = [
             Contribution(name, "A", self._scatter_of_greatest(side)),
             self._of_mean(),
+            *self._of_mean_on_the_way(),
             Contribution(_TIMES, "A", self._of_greatest_in_time(side)),
         ]
         # noise that moves the instant moves the samples there as much, to the level that it is defined by
@@ -175,10 +185,14 @@ class ArrivedSamples:
         rms = self.rms
         if not rms > 0.0:
             return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
-        on_the_way = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
+        weights = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
+        on_the_way = self.noise.of_sum(weights)
+        if self.on_the_way is not None:
+            power = self.on_the_way.of_sum_of_squares() / (2.0 * rms * len(self.values))
+            on_the_way = math.hypot(self.on_the_way.of_sum(weights), power)
         noise = [
             self._of_power(rms),
-            Contribution("noise of the samples on their way", "A", self.noise.of_sum(on_the_way)),
+            Contribution(_ON_THE_WAY, "A", on_the_way),
             Contribution(_TIMES, "A", self._of_times(rms)),
         ]
         if self._is_heavy:
@@ -190,7 +204,8 @@ class ArrivedSamples:
 
     def _of_mean(self) -> Contribution:
         if not self.at_rest:
-            return Contribution("noise of the samples", "A", self.noise.of_mean(len(self.values)))
+            of_mean = 0.0 if self.on_the_way is not None else self.noise.of_mean(len(self.values))
+            return Contribution("noise of the samples", "A", of_mean)
         name, settled = "scatter over parts of the samples, and their correlation", self._at_rest
         error = error_of_record(settled)
         if math.isfinite(error.standard):
@@ -198,10 +213,18 @@ class ArrivedSamples:
         name = "scatter of the samples, too few of which are independent for that of a mean"
         return Contribution(name, "A", float(np.std(settled)))
 
+    def _of_mean_on_the_way(self) -> list[Contribution]:
+        """Return what noise makes of the mean that the samples at rest do not have."""
+        if self.on_the_way is None:
+            return []
+        weights = np.full(len(self.on_the_way.levels), 1.0 / len(self.values))
+        return [Contribution(_ON_THE_WAY, "A", self.on_the_way.of_sum(weights))]
+
     def _of_power(self, rms: float) -> Contribution:
         name = "scatter of their squares over parts of the samples"
         if not self.at_rest:
-            return Contribution(name, "A", self.noise.of_mean_square(len(self.values)) / (2.0 * rms))
+            square = 0.0 if self.on_the_way is not None else self.noise.of_mean_square(len(self.values))
+            return Contribution(name, "A", square / (2.0 * rms))
         squares = self._settled**2
         error = error_of_record(squares)
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
@@ -218,6 +241,8 @@ class ArrivedSamples:
         # where the largest deviation would make it the greatest, as that mostly is
         open_to = course + np.max(deviations) + larger >= np.median(greatest)
         is_level = self.at_rest or self._is_heavy
+        if self.on_the_way is not None:  # on no level, with noise of its own
+            open_to[: len(self.on_the_way.levels)] = False
         on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
         return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
@@ -258,6 +283,8 @@ class ArrivedSamples:
                 drawn[random.random(draws) < 0.5 * _alike(noise)] *= -1.0
         else:
             drawn = self.noise.draw(random, (draws, count))
+        if self.on_the_way is not None:
+            drawn[:, : len(self.on_the_way.levels)] = self.on_the_way.draw(random, draws)
         return np.asarray(self.course + self.of_rest * drawn)
 
     def _of_one_far(self, rms: float) -> float:
@@ -297,6 +324,8 @@ class ArrivedSamples:
     def _share(self) -> float:
         """By how much the mean of all samples scatters less than that of those at rest: of white noise by the
         root of their numbers, of the slowest not at all."""
+        if self.on_the_way is not None:
+            return self.at_rest / len(self.values)
         least = math.sqrt(min(1.0, self.at_rest / len(self.values)))
         of_rest = self.noise.of_mean(self.at_rest)
         return max(least, min(1.0, self.noise.of_mean(len(self.values)) / of_rest)) if of_rest else least
@@ -308,7 +337,8 @@ class ArrivedSamples:
         found, samples = of(self.values), self.samples
         if self.is_moved_by_noise and len(self.course) > 1 and not np.any(self.of_times):
             ahead = np.arange(self.first, 0, -1.0)
-            reach = _STEEPER * abs(float(self.course[1] - self.course[0])) * ahead + self.noise.rms
+            rms = self.noise.rms if self.on_the_way is None else float(self.on_the_way.rms[0])
+            reach = _STEEPER * abs(float(self.course[1] - self.course[0])) * ahead + rms
             level = float(self.values[0])
             before = np.clip(samples[: self.first], level - reach, level + reach)
             samples = np.concatenate([before, self.values])
@@ -322,7 +352,17 @@ def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertai
     return combined_by_names([each for each in lines if each.standard != 0.0] or [row])
 
 
-def _in_course(errors: Floats, rms: float, begin: Instant) -> Floats:
+def _unlike(uneven: UnevenNoise | None, at_rest: Noise, first: int, rest: int) -> UnevenNoise | None:
+    """Return the noise of samples on their way from a row to another, if it is clearly another than at
+    rest."""
+    if uneven is None or not first < rest:
+        return None
+    found = uneven.rows(first, rest)
+    way = _rms(found.rms)
+    return found if way > LOUD * at_rest.rms or LOUD * way < at_rest.rms else None
+
+
+def _in_course(errors: Floats, rms: float | Floats, begin: Instant) -> Floats:
     """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, shape
     (n,).
 
@@ -330,7 +370,7 @@ def _in_course(errors: Floats, rms: float, begin: Instant) -> Floats:
     what a row after that instant leaves open is there, and of others only what is not correlated with it.
     """
     count = errors.shape[1]
-    if not len(errors) or not count or not rms > 0.0:
+    if not len(errors) or not count or not np.any(np.greater(rms, 0.0)):
         return np.zeros(count)
     square = float(np.mean(errors[:, 0] ** 2))
     if begin.drawn and square > 0.0:

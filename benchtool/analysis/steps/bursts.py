@@ -18,23 +18,34 @@ Floats = NDArray[np.float64]
 
 _SIZE, _PARTS = 16, 100  # samples of a window, at least; windows of a record without overlap, at most
 _HOPS = 4  # windows that begin within one
-_LOUD = 2.5  # times the noise at rest: the prediction leaves no more of that, by chance, in 10 000 windows
+LOUD = 2.5
+"""Times the noise at rest: the prediction leaves no more of that, by chance, in 10 000 windows."""
+
 _CALM = 0.7  # of the noise at rest: no less of that is between bursts, by chance
+_LEAST = 1e-3  # of the noise: less is none
 _LATE = 5  # the last of so many parts of a record, whose noise is that at rest
 _OF_MEDIAN = 1.0 / 0.6745  # standard deviation over median magnitude, of normal values
 _OF_RESIDUAL, _LOUD_POWER = 40, 2.5  # samples; times the power at rest
 
 
-def noise_and_levels(samples: Floats, noise: Noise) -> tuple[Noise, Floats]:
+def noise_and_levels(samples: Floats, noise: Noise, of_plateau: Noise | None = None) -> tuple[Noise, Floats]:
     """Return noise and by how much that of samples, shape (n,), is more, shape (n,), at least 1: the noise
     that is known at rest or, where that has bursts itself, what is between them.
+
+    Where another noise is known of a plateau it is that, and the levels may be less than 1.
 
     By what a prediction from two samples leaves in a window, where its median is large. A burst is in two
     windows side by side, an edge only in those that overlap.
     """
     count = len(samples)
+    is_known = of_plateau is not None and of_plateau.rms > 0.0
+    noise = of_plateau if of_plateau is not None and is_known else noise
     if count <= _size(count) or not noise.rms > 0.0:
         return noise, np.ones(count)
+    if of_plateau is not None:
+        predicted = _Predicted.of(samples, noise)
+        loud = predicted.levels(predicted.left > LOUD * predicted.of_noise, 1.0)
+        return noise, loud * predicted.calm_levels()
     predicted = _Predicted.of(samples, noise)
     usual = float(np.median(predicted.share))
     levels = predicted.levels(predicted.is_loud, usual) if usual > 0.0 else np.ones(count)
@@ -44,7 +55,7 @@ def noise_and_levels(samples: Floats, noise: Noise) -> tuple[Noise, Floats]:
         if 0.0 < calm.rms < _CALM * noise.rms:
             predicted = _Predicted.of(samples, calm)
             return calm, predicted.levels(predicted.is_loud, 1.0)
-    return noise, predicted.levels(predicted.left > _LOUD * predicted.of_noise, 1.0)
+    return noise, predicted.levels(predicted.left > LOUD * predicted.of_noise, 1.0)
 
 
 def _size(count: int) -> int:
@@ -69,11 +80,7 @@ class _Predicted:
     def of(cls, samples: Floats, noise: Noise) -> _Predicted:
         count, size = len(samples), _size(len(samples))
         begin = np.arange(0, count - size + 1, size // _HOPS)
-        within = np.lib.stride_tricks.sliding_window_view(samples, size)[begin]
-        columns = np.stack([within[:, 1:-1], within[:, :-2], np.ones((len(begin), size - 2))], axis=2)
-        solution = np.linalg.pinv(columns) @ within[:, 2:, np.newaxis]
-        errors = np.abs(within[:, 2:] - (columns @ solution)[..., 0])
-        weights = np.concatenate([np.ones((len(begin), 1)), -solution[:, :2, 0]], axis=1)
+        errors, weights = unpredicted(samples, begin, size)
         known = np.zeros(3)
         known[: min(3, len(noise.autocovariance))] = noise.autocovariance[:3]
         apart = np.abs(np.subtract.outer(np.arange(3), np.arange(3)))
@@ -81,7 +88,7 @@ class _Predicted:
         square = (size - 5) / (size - 2) * np.einsum("ni,ij,nj->n", weights, known[apart], weights)
         of_noise = np.sqrt(np.maximum(square, np.finfo(float).tiny))
         rms = np.sqrt(np.mean(errors**2, axis=1))
-        return cls(count, size, begin, _OF_MEDIAN * np.median(errors, axis=1), rms, of_noise)
+        return cls(count, size, begin, _OF_MEDIAN * np.median(np.abs(errors), axis=1), rms, of_noise)
 
     @property
     def share(self) -> Floats:
@@ -92,7 +99,7 @@ class _Predicted:
     def is_loud(self) -> NDArray[np.bool_]:
         """Whether more is left than mostly is, and than mostly is relative to the noise, shape (windows,)."""
         relative = self.left / self.of_noise
-        return (self.left > _LOUD * np.median(self.left)) & (relative > _LOUD * np.median(relative))
+        return (self.left > LOUD * np.median(self.left)) & (relative > LOUD * np.median(relative))
 
     def levels(self, loud: NDArray[np.bool_], usual: float) -> Floats:
         """Return by how much what is left is more than usual at every sample, shape (n,), at least 1, in
@@ -104,6 +111,27 @@ class _Predicted:
             rows = slice(self.begin[at], self.begin[at] + self.size)
             levels[rows] = np.maximum(levels[rows], self.share[at] / usual)
         return levels
+
+    def calm_levels(self) -> Floats:
+        """Return by how much less than the noise is left at every sample, shape (n,), at most 1: where it is
+        clearly less in all windows that hold the sample."""
+        share = np.where(LOUD * self.share < 1.0, np.maximum(self.share, _LEAST), 1.0)
+        levels = np.zeros(self.count)
+        for begin, level in zip(self.begin, share, strict=True):
+            rows = slice(begin, begin + self.size)
+            levels[rows] = np.maximum(levels[rows], level)
+        return np.where(levels > 0.0, levels, share[-1])
+
+
+def unpredicted(samples: Floats, begin: NDArray[np.int64], size: int) -> tuple[Floats, Floats]:
+    """Return what linear predictions from the two samples before leave in windows of samples that begin in
+    some rows, shape (windows, size - 2), and the weights of a sample and of the two before it in that, shape
+    (windows, 3)."""
+    within = np.lib.stride_tricks.sliding_window_view(samples, size)[begin]
+    columns = np.stack([within[:, 1:-1], within[:, :-2], np.ones((len(begin), size - 2))], axis=2)
+    solution = np.linalg.pinv(columns) @ within[:, 2:, np.newaxis]
+    errors = within[:, 2:] - (columns @ solution)[..., 0]
+    return errors, np.concatenate([np.ones((len(begin), 1)), -solution[:, :2, 0]], axis=1)
 
 
 def residual_levels(left: Floats, rms: float) -> Floats:

@@ -31,7 +31,7 @@ from benchtool.analysis.steps.passages import (
     rising,
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
-from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
+from benchtool.analysis.steps.smoothing import Noise, UnevenNoise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, of_three, parabola, quartic
 from benchtool.analysis.steps.tops_on_levels import (
     is_on_level,
@@ -52,6 +52,7 @@ _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _EVEN = 1e-3  # rows that their times scatter by: as much as rounding
+_OF_WINDOWS = 0.05  # of the noise: as much where there is less leaves windows beside it long enough
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 
 
@@ -76,7 +77,7 @@ class NoisyCurve:
     is what the same noise makes of the mean of the samples before the first. `turned`, shape (draws, n), is
     what is added to errors where noise does not hide the steps of a converter and the curve turns back within
     a level of it; None otherwise. `beside`, shape (n,), is how much of the noise the samples have about the
-    curve, if any is smoothed.
+    curve, if any is smoothed, and `uneven` that noise, if it is not the same on a plateau and at rest.
     """
 
     values: Floats
@@ -86,19 +87,24 @@ class NoisyCurve:
     before: Floats | None = None
     turned: Floats | None = None
     beside: Floats | None = None
+    uneven: UnevenNoise | None = None
 
     @classmethod
-    def through(cls, samples: Floats, noise: Noise, before: int = 0) -> NoisyCurve:
+    def through(
+        cls, samples: Floats, noise: Noise, before: int = 0, of_plateau: Noise | None = None
+    ) -> NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
-        were so many `before`.
+        were so many `before`, with the `noise` at rest, which need not be that `of_plateau`.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it, or within what the noise leaves of that. Where the times of the samples
         scatter, each is off by that times the slope of the curve.
         """
         count, step = len(samples), converter_step(samples)
-        noise, levels = noise_and_levels(samples, noise)
-        smoother, longer = fitted_smoothers(samples, noise, levels)
+        at_rest = noise
+        noise, levels = noise_and_levels(samples, noise, of_plateau)
+        of_windows = np.maximum(levels, _OF_WINDOWS)
+        smoother, longer = fitted_smoothers(samples, noise, of_windows)
         draws = max(_FEWEST_DRAWS, min(_DRAWS, _MOST_VALUES // count))
         random = np.random.default_rng(SEED)
         of_steps: float | Floats = 0.0
@@ -114,6 +120,8 @@ class NoisyCurve:
             return cls(samples, of_steps + of_times, scatter, turned=at_levels)
         drawn = noise.draw(random, (draws, before + count))
         of_before = np.mean(drawn[:, :before], axis=1) if before else None
+        if of_before is not None and of_plateau is not None:
+            of_before *= at_rest.rms / noise.rms
         drawn = levels * drawn[:, before:]
         errors, curve = smoother.apply(drawn), smoother.apply(samples)
         turned: Floats | None = None
@@ -125,10 +133,11 @@ class NoisyCurve:
         blunt = longer.apply(samples)
         bias = _OF_BIAS * (blunt - curve)
         beside = np.std(drawn - errors, axis=0) / np.std(drawn, axis=0)
-        louder = residual_levels((samples - curve) / levels, noise.rms)
+        louder = residual_levels((samples - curve) / of_windows, noise.rms)
         errors *= louder
         errors += of_steps + random.standard_normal((draws, 1)) * bias
-        return cls(curve, errors, scatter, blunt, of_before, turned, beside)
+        uneven = None if of_plateau is None else UnevenNoise(noise, levels)
+        return cls(curve, errors, scatter, blunt, of_before, turned, beside, uneven)
 
     def against(self, sign: float, reference: Floats | float = 0.0) -> NoisyCurve:
         """Return the curve, and what noise makes of it, less a reference, shape (n,), times a sign."""

@@ -126,6 +126,35 @@ class Noise:
 
 
 @dataclass(frozen=True)
+class UnevenNoise:
+    """Noise times `levels` that samples have, shape (n,)."""
+
+    noise: Noise
+    levels: Floats
+
+    def rows(self, first: int, end: int) -> UnevenNoise:
+        """Return that of the samples from a row to before another."""
+        return UnevenNoise(self.noise, self.levels[first:end])
+
+    @property
+    def rms(self) -> Floats:
+        """Root mean square at each sample, shape (n,)."""
+        return np.asarray(self.noise.rms * self.levels)
+
+    def of_sum(self, weights: Floats) -> float:
+        """Return the standard deviation of a sum of samples, each times its weight, shape (n,)."""
+        return self.noise.of_sum(weights * self.levels)
+
+    def of_sum_of_squares(self) -> float:
+        """Return the standard deviation of the sum of the squares of the samples, if they are normal."""
+        return math.sqrt(2.0) * Noise(self.noise.autocovariance**2).of_sum(self.levels**2)
+
+    def draw(self, random: np.random.Generator, records: int) -> Floats:
+        """Return such noise, shape (records, n)."""
+        return self.levels * self.noise.draw(random, (records, len(self.levels)))
+
+
+@dataclass(frozen=True)
 class Smoother:
     """Windows of a smooth curve: the `half` of each in samples, shape (n,), nowhere beyond the first sample.
 

@@ -153,7 +153,7 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     """Return the smooth curve, with the noise of all samples at rest where these are many more than the last;
     and the samples long after the signal has settled, of what a drift keeps from it the later half."""
     before = len(step.y_before)
-    curve = NoisyCurve.through(step.y_clear, step.y_noise, before)
+    curve = NoisyCurve.through(step.y_clear, step.y_noise, before, step.of_plateau)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band)
     if settled is None or not math.isfinite(settled.standard):
@@ -168,7 +168,7 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
         away = float(np.mean(step.y_before)) - step.before
         wander = float(np.std(means_of_parts(at_rest)))
         noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
-    return NoisyCurve.through(step.y_clear, noise, before), at_rest
+    return NoisyCurve.through(step.y_clear, noise, before, step.of_plateau), at_rest
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
@@ -253,7 +253,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         standard = math.hypot(peak.standard, _OF_BLUNTED * later)
         peak = Instant(peak.place - _BLUNTED * later, standard)
         top = int(np.argmax(curve.values))
-        corner = corner_near(step.y_clear, step.y_noise, top, step.converter_step)
+        corner = corner_near(step.y_clear, step.plateau_noise, top, step.converter_step)
         if corner is not None:
             height = corner.height, corner.height_error
             greatest, of_curve = corner.averaged((greatest, of_curve), height)

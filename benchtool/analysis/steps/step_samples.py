@@ -16,6 +16,7 @@ from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_shape import HELD, Step
 from benchtool.analysis.steps.step_validity import UNDECIDED
 from benchtool.analysis.uncertainty import Contribution, combined
@@ -40,7 +41,8 @@ def plateau_numbers(
     elif not math.isfinite(since.standard):
         reason = UNDECIDED
     values = step.sign * step.y[:end]
-    found = None if reason else _arrived(step, values, curve.against(step.sign), since, band, drift)
+    course, noise = curve.against(step.sign), step.plateau_noise
+    found = None if reason else _arrived(step, values, course, since, band, drift, noise)
     samples = len(values) - math.ceil(since.place)
     for name, which, of, uncertain in (
         ("plateau_mean", "mean", np.mean, ArrivedSamples.of_mean),
@@ -73,7 +75,9 @@ def tracking_numbers(
     error = step.sign * (step.y - step.r)
     course = curve.against(step.sign, step.r)
     # of a pulse no time since its rise counts
-    found = _arrived(step, error, course, _once_inside(step, curve, settled, band), band, drift, step.fall)
+    found = _arrived(
+        step, error, course, _once_inside(step, curve, settled, band), band, drift, step.y_noise, step.fall
+    )
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
@@ -124,6 +128,7 @@ def _arrived(
     since: Instant,
     band: float,
     drift: Slope | None,
+    noise: Noise,
     event: int = 0,
 ) -> ArrivedSamples:
     if step.shown_late:  # the sample before the instant is shown for any part of the time after it
@@ -131,4 +136,4 @@ def _arrived(
         drawn = tuple(each - late for each in since.drawn)
         since = Instant(since.place - late, since.standard, drawn).widened(late)
     seen = None if drift is None else drift.seen_from(step.sign)
-    return ArrivedSamples.of(values, course, since, band, step.y_noise, step.converter_step, event, seen)
+    return ArrivedSamples.of(values, course, since, band, noise, step.converter_step, event, seen)

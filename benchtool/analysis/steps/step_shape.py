@@ -13,6 +13,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.steps.clicks import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import even_hold
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.uncertainty import Uncertainty
@@ -55,7 +56,8 @@ class Step:
     that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
     there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their
     neighbours, `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the
-    noise at rest. `shown_late` is for how long after a row it is shown at most, in rows.
+    noise at rest, `of_plateau` that on the plateau if it is another. `shown_late` is for how long after a row
+    it is shown at most, in rows.
     """
 
     y: Floats
@@ -63,6 +65,7 @@ class Step:
     clicks: int
     y_before: Floats
     y_noise: Noise
+    of_plateau: Noise | None
     r: Floats
     r_before: Floats
     r_errors: Floats
@@ -98,6 +101,11 @@ class Step:
     def converter_step(self) -> float:
         """Step of a converter in the signal; 0 without one."""
         return converter_step(self.y)
+
+    @property
+    def plateau_noise(self) -> Noise:
+        """Noise on the plateau."""
+        return self.y_noise if self.of_plateau is None else self.of_plateau
 
     @property
     def holds(self) -> int:
@@ -183,6 +191,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         clicks=clicks,
         y_before=clear[: max(1, begin)],
         y_noise=Noise.of(clear[:begin], clear[-tail:]),
+        of_plateau=_noise_of_plateau(clear, r, begin, greatest, tail, y),
         r=r[begin:],
         r_before=r[: max(1, begin)],
         r_errors=r_errors[:, first::held_rows][:, begin:],
@@ -202,6 +211,21 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         unit=unit,
         basis=Basis(after, rate_Hz, after / rate_Hz, 0.5 * rate_Hz, reference=against, gaps=0),
     )
+
+
+def _noise_of_plateau(
+    clear: Floats, r: Floats, begin: int, greatest: float, tail: int, y: Floats
+) -> Noise | None:
+    """Return the noise of the later half of the plateau of a signal without clicks, shape (n,), and with
+    them, if it is not that before the row `begin` and, of a pulse, in its last rows."""
+    height = greatest - float(r[0])
+    far = r[begin:] < greatest - HELD * height
+    holds = int(np.argmin(far))
+    length = int(np.argmax(np.append(far[holds:], True)))
+    is_pulse = holds + length < len(far)
+    late = slice(begin + holds + length // 2, begin + holds + length)
+    at_rest = [clear[:begin], *([clear[-tail:]] if is_pulse else [])]
+    return noise_of_plateau(clear[late], at_rest, height, converter_step(y))
 
 
 def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
