@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Final
 
 import numpy as np
 
 from benchmarks.coverage.dynamic import Excited, Lag, Stepped, excited_trial, stepped_trial
-from benchmarks.coverage.families import Family
+from benchmarks.coverage.families import Family, families_of
 from benchmarks.coverage.noise import UNCORRELATED, Kind
 from benchmarks.coverage.steady import trial
 from benchmarks.coverage.steady_records import Disturbance
@@ -206,14 +205,12 @@ def _noise(random: Random, low: float, high: float, *, is_white: bool = False) -
 
 def drawn_family(number: int, seed: int) -> Family:
     """Return the family of a number: of six, three are steady records, two steps and one a response."""
-    random = np.random.default_rng([seed, number])
+    name, random = f"drawn_{number}", np.random.default_rng([seed, number])
     match number % 6:
         case 0 | 2 | 4:
-            steady = drawn_steady(random)
-            return Family(f"drawn_{number}", partial(trial, steady), what=steady)
+            (family,) = families_of(trial, {name: drawn_steady(random)})
         case 1 | 3:
-            stepped = drawn_step(random)
-            return Family(f"drawn_{number}", partial(stepped_trial, stepped), what=stepped)
+            (family,) = families_of(stepped_trial, {name: drawn_step(random)})
         case _:
-            excited = drawn_response(random)
-            return Family(f"drawn_{number}", partial(excited_trial, excited), what=excited)
+            (family,) = families_of(excited_trial, {name: drawn_response(random)})
+    return family

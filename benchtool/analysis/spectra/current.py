@@ -98,7 +98,7 @@ def current_spectrum(
             found.cleaned, found.seen, channel, None if found.close.lines is None else found.between
         )
     sound = soundness(spectrum, found.seen, invalid, channel)
-    clean, with_trend = spectrum_of(found.steady.samples), None
+    clean, with_trend = found.clean, None
     if found.steady.trend is not None:
         with_trend = spectrum_of(found.cleaned), found.steady.trend.of_level
     errors = _errors(found, clean, with_trend, step)
@@ -116,11 +116,11 @@ def current_spectrum(
     lines, taken = basis, found.taken
     if taken is not None:
         lines = replace(basis, window=f"{basis.window}, without {taken.words}")
-    quiet = spectrum_of(found.quiet)
+    quiet, spectrum_of_quiet = found.quiet
     floor = without_changes(
-        noise_floor(quiet, has_moved=has_moved, follows_signal=found.track.follows_signal),
+        noise_floor(spectrum_of_quiet, has_moved=has_moved, follows_signal=found.track.follows_signal),
+        spectrum_of_quiet,
         quiet,
-        found.quiet,
         has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
         follows_signal=found.track.follows_signal,
         step=step,

@@ -286,9 +286,14 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
         near = slice(max(0, index - _BANDS_AROUND), index + _BANDS_AROUND + 1)
         x, y = centre[near], level[near]
         known = len(x) > 1 and bool(np.all(np.isfinite(y)))
-        about = x - np.mean(x)
-        found.append(float(about @ y) / float(about @ about) if known else 0.0)
+        found.append(_slope(x, y) if known else 0.0)
     return found
+
+
+def _slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Return the slope of the least-squares line through points, both of shape (n,)."""
+    about = x - np.mean(x)
+    return float(about @ y) / float(about @ about)
 
 
 def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
@@ -298,7 +303,7 @@ def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float
     if np.count_nonzero(seen) < _FEWEST_BINS:
         return 0.0
     place = np.log(bins[seen])
-    slope = float(np.polyfit(place, np.log(square[seen]), 1)[0])
+    slope = _slope(place, np.log(square[seen]))
     by_chance = _OF_LOGARITHM / float(np.std(place)) / math.sqrt(len(place))
     return slope if abs(slope) > _SURELY * by_chance else 0.0
 

@@ -102,11 +102,19 @@ class Separation:
         return with_steady_amplitude(self.cleaned, self.alone.amplitude, self.turns, FIRST_ROW)
 
     @cached_property
-    def quiet(self) -> CoherentSamples:
-        """Those without what stands out between them: sidebands of an amplitude that swings fast, say, are of
-        the signal, and no noise."""
-        found = interharmonics(spectrum_of(self.steady.samples), len(self.coherent.values))
-        return self.steady.samples if found is None else without(self.steady.samples, found, self.course)
+    def clean(self) -> CoherentSpectrum:
+        """Their spectrum."""
+        return spectrum_of(self.steady.samples)
+
+    @cached_property
+    def quiet(self) -> tuple[CoherentSamples, CoherentSpectrum]:
+        """They and their spectrum without what stands out between them: sidebands of an amplitude that swings
+        fast, say, are of the signal, and no noise."""
+        found = interharmonics(self.clean, len(self.coherent.values))
+        if found is None:
+            return self.steady.samples, self.clean
+        quiet = without(self.steady.samples, found, self.course)
+        return quiet, spectrum_of(quiet)
 
     def over_record(self, rate_Hz: float, channel: str) -> tuple[Wander, float]:
         """Return how the fundamental moves about the track to both ends of the record, and the standard

@@ -38,15 +38,14 @@ def noise_and_levels(samples: Floats, noise: Noise, of_plateau: Noise | None = N
     windows side by side, an edge only in those that overlap.
     """
     count = len(samples)
-    is_known = of_plateau is not None and of_plateau.rms > 0.0
-    noise = of_plateau if of_plateau is not None and is_known else noise
+    if of_plateau is not None and of_plateau.rms > 0.0:
+        noise = of_plateau
     if count <= _size(count) or not noise.rms > 0.0:
         return noise, np.ones(count)
+    predicted = _Predicted.of(samples, noise)
     if of_plateau is not None:
-        predicted = _Predicted.of(samples, noise)
         loud = predicted.levels(predicted.left > LOUD * predicted.of_noise, 1.0)
         return noise, loud * predicted.calm_levels()
-    predicted = _Predicted.of(samples, noise)
     usual = float(np.median(predicted.share))
     levels = predicted.levels(predicted.is_loud, usual) if usual > 0.0 else np.ones(count)
     if np.any(levels[count // 2 :] > 1.0):  # at rest too, and not before these samples alone

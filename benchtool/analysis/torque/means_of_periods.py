@@ -54,8 +54,6 @@ class Periods:
         """Return a series, shape (n,), without what is more than a period behind the last mark, where nothing
         tells what repeats: the whole periods alone."""
         last, edges = int(self.rows[-1]), self.edges
-        if not len(self):
-            return series
         behind = len(series) - float(edges[-1]) - float(edges[-1] - edges[-2])
         return series[:last] if behind > _ROWS_BEHIND else series
 

@@ -160,7 +160,7 @@ def ripple_of_rows(
     scatter = None
     if marks is not None:
         repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
-        scatter = scatter_of_periods(repeats.told(samples), repeats, step)
+        scatter = scatter_of_periods(samples, repeats, step)
     unknown = ""
     if scatter is None or marks is None:
         unknown = _without_periods(marks, repeated, no_periods)
@@ -209,7 +209,7 @@ def peak_to_peak_number(
     scatter, step = None, counting_step(samples)
     if track is not None:
         repeats = Periods(track.period_rows())
-        scatter = scatter_of_periods(repeats.told(samples), repeats, step, percentiles=False)
+        scatter = scatter_of_periods(samples, repeats, step, percentiles=False)
     basis = record_basis(block)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
     seen = _Seen(whole, scatter, unknown, step, what or channel, channel, basis, _clipped(samples))
