@@ -21,6 +21,7 @@ from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_l
 from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
+from benchtool.analysis.steps.last_lobe import rms_beyond_lobes
 from benchtool.analysis.steps.passages import (
     LEAST_DEFINED,
     SEED,
@@ -356,7 +357,8 @@ class NoisyCurve:
 
         A curve that turns back just within a level of a converter may leave the band there or not: which it
         is, is what most draws make of it. Where noise reads the last level outside there and back, the curve
-        enters after as many rows as are outside.
+        enters after as many rows as are outside. That noise alone may make the last lobe leave the band, or
+        keeps it within, is in the uncertainty.
         """
         found = last_passage(self.values, level, band)
         if found is None:
@@ -367,6 +369,9 @@ class NoisyCurve:
         is_either = self.is_on_levels and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
         instant = Passage(most, found.reach, places).instant
+        if len(errors) and not self.is_on_levels:
+            of_lobes = rms_beyond_lobes(self.values - level, errors, band, most)
+            return replace(instant, standard=math.hypot(instant.standard, of_lobes))
         last = math.ceil(most) - 1
         if not self.is_on_levels or not 0 <= last < len(self.values) - 1:
             return instant

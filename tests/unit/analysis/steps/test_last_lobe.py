@@ -1,0 +1,63 @@
+"""Whether the last lobe leaves the band: what noise alone decides is as uncertain as both places are apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+
+from benchtool.analysis.steps.last_lobe import rms_beyond_lobes
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.passages import last_passage
+
+BAND = 0.02
+ROWS = np.arange(240.0)
+LOBE = 60.0  # rows between two lobes, each a quarter as high as that before
+DRAWS = 60
+
+
+def ringing(third: float) -> np.ndarray:
+    """Return what rings about zero, its third lobe so many times the band high."""
+    turn = np.pi * ROWS / LOBE
+    decay = 0.25 ** (ROWS / LOBE)
+    ring = decay * np.cos(turn)
+    return np.asarray(third * BAND * ring / float(np.max(ring[100:])))
+
+
+def noise(random: np.random.Generator, count: int) -> np.ndarray:
+    """Return smooth noise of 0.15 times the band, rms."""
+    drawn = gaussian_filter1d(random.standard_normal((count, len(ROWS) + 100)), 6.0, axis=1)[:, 50:-50]
+    return np.asarray(0.15 * BAND * drawn / np.std(drawn))
+
+
+@pytest.mark.parametrize("third", [0.85, 1.1])
+def test_a_lobe_as_high_as_the_band_is_in_the_uncertainty(third: float) -> None:
+    random = np.random.default_rng(20)
+    true = last_passage(ringing(third), 0.0, BAND)
+    assert true is not None
+    errors = []
+    for _ in range(100):
+        curve = NoisyCurve(ringing(third) + noise(random, 1)[0], noise(random, DRAWS))
+        found = curve.last_outside(0.0, BAND)
+        assert found is not None
+        errors.append((found.place - true.place) / found.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.4
+    assert np.mean(np.abs(errors) < 2.0) >= 0.9
+    assert np.max(np.abs(errors)) > 1.0  # noise decides wrongly at times
+
+
+@pytest.mark.parametrize("third", [0.15, 1.9])
+def test_a_lobe_that_noise_does_not_decide_adds_nothing(third: float) -> None:
+    random = np.random.default_rng(21)
+    away = ringing(third)
+    found = last_passage(away, 0.0, BAND)
+    assert found is not None
+    assert rms_beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
+
+
+def test_a_course_without_lobes_has_no_other() -> None:
+    random = np.random.default_rng(22)
+    away = np.exp(-ROWS / 40.0)
+    found = last_passage(away, 0.0, BAND)
+    assert found is not None
+    assert rms_beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
