@@ -8,6 +8,7 @@ at all frequencies alike, interpolated between those that are known, from a tent
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ Floats = NDArray[np.float64]
 
 _FROM = 0.1  # of the upper frequency
 _FEWEST_FOR_A_LINE = 3
+_HIGHER = 5  # degree of the splines that tell how far cubic ones are off
 _BESIDE = 8  # frequencies beyond either end that an interpolation takes: splines end badly
 _FINE, _FINER = 2_000, 4  # places over which the line is fitted, at least, and for each frequency
 
@@ -108,7 +110,7 @@ def _by_reciprocals(
     known_Hz: Floats, gain: Floats, phase: Floats, fine_Hz: Floats, weights: Floats, turned: float
 ) -> tuple[float, float]:
     """Return the slope of the phase, as the sum of the phases at finer frequencies times their weights, by
-    two interpolations of the reciprocal of the response.
+    a cubic spline of the reciprocal of the response, and by the nearest of others.
 
     About a resonance that is a parabola, whatever its phase does. A delay turns it between few frequencies:
     so much phase per Hz is taken off before.
@@ -118,11 +120,17 @@ def _by_reciprocals(
     phase = phase - turned * known_Hz
     reciprocal = np.stack([np.cos(phase) / gain, -np.sin(phase) / gain], axis=1)
     along = np.interp(fine_Hz, known_Hz, phase)
-    one, other = (
-        turned + float(weights @ (along + _turned(each(known_Hz, reciprocal)(fine_Hz), along)))
-        for each in (interpolate.CubicSpline, interpolate.Akima1DInterpolator)
+    interpolations: list[Callable[[Floats], Floats]] = [
+        interpolate.CubicSpline(known_Hz, reciprocal),
+        interpolate.Akima1DInterpolator(known_Hz, reciprocal),
+    ]
+    if len(known_Hz) > _HIGHER:
+        interpolations.append(interpolate.make_interp_spline(known_Hz, reciprocal, _HIGHER))
+    cubic, *others = (
+        turned + float(weights @ (along + _turned(each(fine_Hz), along))) for each in interpolations
     )
-    return one, other
+    # of noise the higher order makes more than of a smooth course, and Akima's less
+    return cubic, min(others, key=lambda other: abs(other - cubic))
 
 
 def _turned(reciprocal: Floats, along: Floats) -> Floats:
