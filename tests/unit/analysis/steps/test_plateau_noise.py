@@ -15,6 +15,7 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.smoothing import Noise, UnevenNoise
 from benchtool.block import Block
+from tests.at_length import at_length
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ def _pulse(level: Callable[[Floats], Floats], random: np.random.Generator) -> di
     }
 
 
-@pytest.mark.parametrize("level", [np.abs, lambda answer: 1.0 * (np.abs(answer) > 0.01)])
+@pytest.mark.parametrize("level", [np.abs, *at_length(lambda answer: 1.0 * (np.abs(answer) > 0.01))])
 def test_a_pulse_from_a_silent_rest_is_as_uncertain_as_its_plateau(level: Callable[[Floats], Floats]) -> None:
     random = np.random.default_rng(3)
     found = [_pulse(level, random) for _ in range(16)]

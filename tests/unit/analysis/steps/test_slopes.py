@@ -51,7 +51,7 @@ def test_samples_that_drift_at_rest_scatter_about_a_line(drift: float, height: f
 def test_a_drift_goes_on_and_the_slope_of_popcorn_noise_does_not() -> None:
     random, line = np.random.default_rng(13), DRIFT * np.arange(ROWS)
     goes_on: dict[str, list[bool]] = {"drift": [], "popcorn": []}
-    for _ in range(300):
+    for _ in range(160):
         drifting = line + NOISE * random.standard_normal(ROWS)
         for name, samples in (("drift", drifting), ("popcorn", NOISE * _popcorn(random, ROWS))):
             before = Slope.of(samples[:BEFORE])
@@ -59,7 +59,7 @@ def test_a_drift_goes_on_and_the_slope_of_popcorn_noise_does_not() -> None:
             if before.is_certain:
                 goes_on[name].append(before.goes_on_in(samples[BEFORE + 200 :]))
     assert np.mean(goes_on["drift"]) > 0.97
-    assert len(goes_on["popcorn"]) >= 8
+    assert len(goes_on["popcorn"]) >= 4
     assert not any(goes_on["popcorn"])
 
 

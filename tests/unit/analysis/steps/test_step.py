@@ -138,7 +138,7 @@ def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> 
 @pytest.mark.parametrize("late", [0.0, *at_length(1.2)])
 def test_a_latency_near_the_least_that_is_possible_is_as_uncertain_as_it_is_off(late: float) -> None:
     random, found = np.random.default_rng(5), []
-    for _ in range(24):
+    for _ in range(18):
         since = np.arange(700) - 100 + random.uniform() - late
         y = 1.0 - np.exp(-np.maximum(since, 0.0) / 20.0) + 0.02 * random.standard_normal(700)
         block = _block(y, _step(0.0, 1.0, rows=700))

@@ -172,7 +172,7 @@ def test_extremes_and_the_rms_of_heavy_noise_are_as_uncertain_as_they_scatter() 
 def test_the_rms_of_a_tracking_error_is_without_the_noise_of_its_reference() -> None:
     y, r = _noisy(1.0, 0.005, rows=1500)
     errors = []
-    for seed in range(12):
+    for seed in range(8):
         noise = 0.015 * np.random.default_rng(seed).standard_normal(len(r))
         found = _one(y, r + noise, "tracking_error_rms")
         assert "of noise left in the reference" in found.definition

@@ -41,7 +41,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     corner = 84.3
     y = np.where(row < corner, np.maximum(row, 0.0) / 70.0, 0.0)
     y = np.where(row < corner, y, 1.0 + (corner / 70.0 - 1.0) * np.exp(-(row - corner) / 50.0))
-    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(14)]
+    found = [_measured(y + 8e-3 * random.standard_normal(len(y))) for _ in range(9)]
     high = [_relative(each["overshoot"], corner / 70.0 - 1.0) for each in found]
     late = [_relative(each["peak_time"], corner / RATE_HZ) for each in found]
     assert 0.5 < np.sqrt(np.mean(np.square(high))) < 1.7
@@ -52,7 +52,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
 def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
     random = np.random.default_rng(12)
     y = 1.0 - np.exp(-np.maximum(np.arange(800.0) - BEFORE, 0.0) / 20.0)
-    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(20)]
+    found = [_measured(y + 0.01 * random.standard_normal(len(y)))["overshoot"] for _ in range(12)]
     relative = [_relative(each, 0.0) for each in found]
     assert np.mean(np.abs(relative) <= 2.0) >= 0.9
     assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.4
@@ -67,7 +67,7 @@ def test_a_trough_as_deep_as_the_noise_has_the_uncertainty_of_what_noise_makes_o
         root = math.sqrt(1.0 - damping**2)
         y = 1.0 - np.exp(-damping * row) * (np.cos(root * row) + damping / root * np.sin(root * row))
         truth = math.exp(-2.0 * math.pi * damping / root)
-        found = [_measured(y + 0.01 * random.standard_normal(len(y)))["undershoot"] for _ in range(14)]
+        found = [_measured(y + 0.01 * random.standard_normal(len(y)))["undershoot"] for _ in range(8)]
         relative += [_relative(each, truth) for each in found]
     assert np.sqrt(np.mean(np.square(relative))) < 1.3
     assert np.mean(np.abs(relative) <= 2.0) >= 0.9
@@ -114,14 +114,14 @@ def test_a_signal_that_walks_at_rest_has_no_numbers_and_1_over_f_noise_has() -> 
     rows, refused = 2400, {"walk": 0, "1/f": 0}
     y = 1.0 - np.exp(-np.maximum(np.arange(float(rows)) - 500, 0.0) / 20.0)
     frequency = np.maximum(np.arange(4 * rows + 1), 1.0)
-    for _ in range(8):
+    for _ in range(5):
         walk = 2e-3 * random.standard_normal(rows) + np.cumsum(4e-4 * random.standard_normal(rows))
         bins = np.fft.rfft(random.standard_normal(8 * rows)) / np.sqrt(frequency)
         pink = np.fft.irfft(bins)[:rows]
         for name, noise in (("walk", walk), ("1/f", 0.01 * pink / np.std(pink))):
             found = _measured(y + noise, 500)["plateau_mean"]
             refused[name] += "wanders" in found.reason
-    assert refused["walk"] >= 6
+    assert refused["walk"] >= 4
     assert refused["1/f"] <= 1
 
 
@@ -187,7 +187,7 @@ def test_a_trough_is_as_deep_as_without_the_windows_that_cut_it_off() -> None:
     row = np.arange(1200.0) - BEFORE
     peak, trough = np.exp(-(((row - 70.0) / 18.0) ** 2)), np.maximum(0.0, 1.0 - np.abs(row - 140.0) / 18.0)
     y = np.clip(row / 30.0, 0.0, 1.0) + 0.3 * peak - 0.2 * trough
-    found = [_measured(y + 0.02 * random.standard_normal(len(y)))["undershoot"] for _ in range(12)]
+    found = [_measured(y + 0.02 * random.standard_normal(len(y)))["undershoot"] for _ in range(8)]
     assert np.sqrt(np.mean([_relative(each, 0.2) ** 2 for each in found])) < 1.4
 
 

@@ -136,14 +136,14 @@ def test_rest_after_a_pulse_is_counted_from_its_fall() -> None:
     reference = np.where((row >= 0.0) & (row < 1000.0), 1.0, 0.0)
     random = np.random.default_rng(1)
     answered = 0
-    for _ in range(12):
+    for _ in range(6):
         noise = signal.lfilter([1.0], [1.0, -0.95], random.standard_normal(len(row) + 200))[200:]
         y = course + 0.02 * np.sqrt(1.0 - 0.95**2) * noise
         block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=y, r=reference)
         assert find_step(block, "y", "r", held=True).fall == 1000
         found = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
         answered += found["rise_time"].uncertainty is not None
-    assert answered >= 11
+    assert answered >= 5
 
 
 def test_a_walk_that_leaves_an_answer_no_rest_is_told_by_the_later_half() -> None:
@@ -157,12 +157,12 @@ def test_few_rows_in_slow_noise_have_no_numbers_and_in_white_noise_they_have() -
     random, refused = np.random.default_rng(6), {"slow": 0, "white": 0}
     way = _lag(BEFORE + 90, 8.0)[BEFORE - 30 :]
     reference = np.where(np.arange(len(way)) < 30, 0.0, 1.0)
-    for _ in range(12):
+    for _ in range(8):
         white = 0.012 * random.standard_normal(len(way) + 500)
         slow = np.sqrt(1.0 - 0.98**2) * signal.lfilter([1.0], [1.0, -0.98], white)
         for name, noise in (("slow", slow), ("white", white)):
             block = Block.from_arrays(RATE_HZ, {"y": "A", "r": "A"}, y=way + noise[500:], r=reference)
             found = analyze_step(block, "y", "r", held=True).measurements
             refused[name] += any("wanders" in each.reason for each in found)
-    assert refused["slow"] >= 8
+    assert refused["slow"] >= 5
     assert refused["white"] == 0
