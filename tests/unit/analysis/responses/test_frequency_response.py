@@ -335,7 +335,7 @@ def test_errors_of_the_response_bias_neither_bandwidth_nor_peak() -> None:
         "resonance_peak": 20.0 * math.log10(np.max(gain)),
     }
     x = _prbs(9)
-    for seed in range(20):
+    for seed in range(12):
         y = _filtered(x) + _noise(len(x), 0.1, seed)
         for each in _bode(x[1023:], y[1023:], 1023).measurements:
             if each.name in off:

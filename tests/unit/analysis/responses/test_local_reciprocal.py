@@ -47,7 +47,7 @@ def test_the_error_between_frequencies_is_known_to_its_size(damping: float, nois
     """-90 degrees of two poles behind a dead time, wherever they are between the frequencies."""
     random = np.random.default_rng(5)
     missed = []
-    for _ in range(60):
+    for _ in range(32):
         corner_Hz, frequency_Hz = random.uniform(200.0, 240.0), np.geomspace(20.0, 900.0, 30)
         response = _two_poles(frequency_Hz, corner_Hz, damping, 0.04 / corner_Hz)
         response *= np.exp(noise * _noise(random, 30))

@@ -92,7 +92,7 @@ def test_a_dead_time_is_its_slope_and_three_frequencies_are_needed() -> None:
 def test_errors_of_the_phases_are_in_the_slope(lines: int) -> None:
     random, missed = np.random.default_rng(1), []
     frequency_Hz = np.geomspace(2.0, 80.0, lines)
-    for _ in range(200):
+    for _ in range(80):
         response = np.exp(-2j * math.pi * frequency_Hz * 1e-3 + 1j * _ERROR * random.standard_normal(lines))
         found = _delay(frequency_Hz, response, Point(60.0, 0.0))
         missed.append((found.value - 1e-3) / _standard(found))

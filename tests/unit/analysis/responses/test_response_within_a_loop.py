@@ -84,7 +84,7 @@ def test_noise_of_the_loop_is_no_part_of_a_response_by_the_stimulus() -> None:
 def test_no_frequency_is_picked_because_noise_turned_its_response() -> None:
     """The residual is least for -1 over the controller: errors of single frequencies would prefer that."""
     turned: list[float] = []
-    for seed in range(8):
+    for seed in range(5):
         stimulus = _noise(30_000, 100 + seed)
         found = frequency_response(*_in_loop(stimulus, 0.2, seed), RATE_HZ, stimulus=stimulus)
         used = found.trusted & (found.frequency_Hz > 450.0) & (found.frequency_Hz < 800.0)
@@ -205,7 +205,7 @@ def test_steps_of_a_converter_are_alike_at_neighbouring_frequencies() -> None:
     """The mean gain over a band is off by far more than independent errors would leave of it."""
     sweep = _sweep(40_000, rests=True)
     errors = []
-    for size in np.linspace(0.9, 1.1, 12):
+    for size in np.linspace(0.9, 1.1, 8):
         y = np.asarray(signal.lfilter(*_plant(), size * sweep))
         for kept in (y, np.round(y * 32.0) / 32.0):
             found = frequency_response(sweep, kept, RATE_HZ)
