@@ -77,13 +77,13 @@ def test_what_all_harmonics_do_alike_is_no_line() -> None:
 @pytest.mark.parametrize("order", [5, *at_length(1)])
 def test_a_harmonic_beside_a_line_is_within_its_uncertainty(order: int) -> None:
     random, within, errors = np.random.default_rng(8), 0, []
-    for _ in range(20):
+    for _ in range(12):
         bins, phase = random.uniform(0.1, 0.9) * random.choice([-1, 1]), random.uniform(0, 6.28)
         size = random.uniform(0.1, 0.5) * LINES[order] * (0.03 if order == 1 else 1.0)
         error, u = error_of(current(random, 3e-4) + beside(order, bins, size, phase), order)
         within += abs(error) < 2.0 * u
         errors.append(abs(error) / size)
-    assert within >= 17
+    assert within >= 10
     assert np.median(errors) < 0.05
 
 

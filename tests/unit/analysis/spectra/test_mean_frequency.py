@@ -35,7 +35,7 @@ def test_counts_that_repeat_all_over_the_record_leave_the_frequency_to_the_signa
 def test_an_encoder_that_errs_once_a_revolution_does_not_hide_the_phase_of_the_signal() -> None:
     random, ratios = np.random.default_rng(82), []
     place = np.arange(12_000) / 12_000
-    for _ in range(12):
+    for _ in range(8):
         turns = 70.3 * (place + 0.01 * (place**2 - place)) + random.uniform()
         theta = 2 * np.pi * turns
         current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
