@@ -22,7 +22,7 @@ from benchtool.analysis.statistics.scatter import (
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_it_is_the_scatter_of_the_mean_also_of_correlated_samples(memory: float) -> None:
-    records = np.random.default_rng(0).standard_normal((400, 5000))
+    records = np.random.default_rng(0).standard_normal((250, 5000))
     records = signal.lfilter([1.0], [1.0, -memory], records, axis=1)
     scatter = float(np.std(np.mean(records, axis=1)))
     stated = np.array([error_of_record(record).standard for record in records])
