@@ -1,11 +1,12 @@
-"""A torque with cogging over the rotor's angle, which tests of orders share."""
+"""A torque with cogging over the rotor's angle, and its orders, which tests of orders share."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.orders.angle import TURN
+from benchtool.analysis.orders.angle import TURN, angle_coverage
+from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders
 from benchtool.block import Block, Channel, Gap
 
 Array = NDArray[np.float64]
@@ -26,3 +27,14 @@ def steady(revolutions: float, samples: int = 20_000) -> Array:
 def block_of(theta_m: Array, torque: Array, rate_Hz: float = 10e3, gaps: tuple[Gap, ...] = ()) -> Block:
     channels = (Channel("theta_m", "rad"), Channel("torque", "Nm"))
     return Block(channels, 0, 1, 1 / rate_Hz, np.stack([theta_m, torque], axis=1), gaps)
+
+
+def uneven_angle(revolutions: float, samples: int, seed: int = 0) -> Array:
+    """A rotor that hurries and lingers, seen at uneven times."""
+    steps = np.random.default_rng(seed).uniform(0.2, 1.8, samples)
+    turned = np.cumsum(steps) / np.sum(steps) * TURN * revolutions
+    return np.asarray(turned + 0.02 * np.sin(6 * turned))
+
+
+def fitted(angle: Array, values: Array) -> OrderSpectrum:
+    return fitted_orders(angle_coverage(angle), values, "torque", "Nm")

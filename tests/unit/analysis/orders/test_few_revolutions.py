@@ -14,8 +14,7 @@ from benchtool.analysis.orders.order_spectrum import orders_at_speed
 from benchtool.analysis.orders.orders import describe_orders, order_analysis
 from benchtool.block import Block
 from tests.at_length import at_length
-from tests.unit.analysis.orders.cogging_torque import torque_at
-from tests.unit.analysis.orders.test_orders import fitted, uneven_angle
+from tests.unit.analysis.orders.cogging_torque import fitted, torque_at, uneven_angle
 
 
 def test_with_few_revolutions_the_uncertainty_is_that_of_white_noise() -> None:
