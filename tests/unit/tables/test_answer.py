@@ -43,7 +43,6 @@ def answer_or_error(path: Path) -> None:
 @example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 0.0)], repeat=4, stamps="even")
 @example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 2e-298)], repeat=4, stamps="even")
 @settings(
-    max_examples=150,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

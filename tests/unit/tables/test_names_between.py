@@ -11,6 +11,7 @@ from benchtool.errors import AnalysisError
 from benchtool.tables import TableQuestion, analyze_table, table_block
 from benchtool.tables.answer import TableAnswer
 from benchtool.tables.remarks import RemarkKind
+from tests.at_length import at_length
 
 COUNT = 256
 FIRST, SECOND = (
@@ -63,7 +64,7 @@ def test_a_span_of_one_table_is_that_of_one(tmp_path: Path) -> None:
     assert found.source["time"]["uniform"] is True
 
 
-@pytest.mark.parametrize("line", ["--,--", "overload,1.5", "error,error", "# the brake is on"])
+@pytest.mark.parametrize("line", ["--,--", "overload,1.5", "# the brake is on", *at_length("error,error")])
 def test_cells_without_a_number_and_comments_are_no_names(tmp_path: Path, line: str) -> None:
     assert told(analyze_table(question(tmp_path, ["i,T", *FIRST, line, *FIRST]))) == []
 

@@ -16,7 +16,7 @@ from tests.at_length import at_length
 
 SPEED_RAD_S = 80.0
 MEAN_NM, RIPPLE_NM = 2.0, 0.1
-RECORDS = 24
+RECORDS = 16
 
 
 def numbers(

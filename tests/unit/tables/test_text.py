@@ -321,7 +321,7 @@ TABLES = st.builds(
 
 
 @given(content=st.one_of(st.binary(max_size=400), TABLES))
-@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_bytes_give_finite_rows_or_an_error_of_the_tree(tmp_path: Path, content: bytes) -> None:
     path = write(tmp_path, content)
     try:
