@@ -228,7 +228,7 @@ def test_the_uncertainty_of_the_inductances_holds(captures: list[Turning]) -> No
     rng = np.random.default_rng(8)
     L_d0, _, L_q0, _ = estimated(captures)
     d, q = [], []
-    for _ in range(REPETITIONS):
+    for _ in range(REPETITIONS // 2):
         noisy = [
             Turning(each.u_V, each.readings_A + rng.normal(0.0, 0.01, each.readings_A.shape))
             for each in captures

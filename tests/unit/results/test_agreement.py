@@ -15,6 +15,7 @@ from benchtool.profile import Bench, Sensor
 from benchtool.results.agreement import disagreements
 from benchtool.results.block_result import analyze_block
 from benchtool.results.calibration import Calibration
+from tests.at_length import at_length
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture
 
 
@@ -86,7 +87,7 @@ def _shaft(rate_Hz: float, lag_Hz: float, highest_Hz: float, factor: float = 1.0
         (2e4, 100.0, 1.5, True),
         (2e3, 100.0, 1.0, False),
         (2e4, math.inf, 1.0, False),  # as fast as the capture
-        (2e4, math.inf, 1.5, True),
+        *at_length((2e4, math.inf, 1.5, True)),
     ],
 )
 def test_a_slow_transducer_is_compared_with_the_estimate_in_its_band(

@@ -152,7 +152,7 @@ def test_k_comes_from_the_degrees_of_freedom_of_both() -> None:
     assert of_difference(Uncertainty(0.0, ""), Uncertainty(0.0, "")).expanded == 0.0
 
 
-@pytest.mark.parametrize("dof", [(2.0, 2.0), (9.0, 3.0), *at_length(((4.0, 4.0),), ((math.inf, 4.0),))])
+@pytest.mark.parametrize("dof", [(9.0, 3.0), *at_length(((2.0, 2.0),), ((4.0, 4.0),), ((math.inf, 4.0),))])
 def test_false_alarms_are_as_many_as_stated(dof: tuple[float, float]) -> None:
     """Two normal results of the same truth with estimated uncertainties: 5 % are to exceed, 2 u lets more."""
     random = np.random.default_rng(3)
@@ -171,7 +171,7 @@ def test_false_alarms_are_as_many_as_stated(dof: tuple[float, float]) -> None:
     assert alarms / runs < by_two - 0.005
 
 
-@pytest.mark.parametrize("count", [5, 9, 20])
+@pytest.mark.parametrize("count", [5, 20, *at_length(9)])
 def test_means_of_few_values_raise_as_many_false_alarms_as_stated(count: int) -> None:
     """Student's deviation is in u and his factor in U: both together would raise half a per cent for five."""
     random, runs = np.random.default_rng(11), 2000
