@@ -90,10 +90,10 @@ def test_an_amplitude_that_wanders_over_the_whole_record_has_no_mean() -> None:
     "name",
     [
         "amplitude_memory_few_periods",
-        "amplitude_memory_short",
         "decaying_dc",
         "regimes_slight_few_periods",
         "switching_modulated_short",
+        *at_length("amplitude_memory_short"),
     ],
 )
 def test_a_value_without_an_uncertainty_says_why(name: str) -> None:

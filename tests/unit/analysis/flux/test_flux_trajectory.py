@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.analysis.flux.trajectory import flux_trajectory
@@ -32,6 +32,7 @@ def _measured(psi: NDArray[np.complex128]) -> dict[str, float]:
     st.floats(2.1, 9.0),
     st.sampled_from([1.0, -1.0]),
 )
+@settings(max_examples=settings().max_examples // 2)
 def test_an_offset_circle_in_either_direction(
     radius: float, offset: float, towards: float, turns: float, sense: float
 ) -> None:

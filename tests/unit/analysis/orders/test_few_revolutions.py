@@ -27,7 +27,7 @@ def test_with_few_revolutions_the_uncertainty_is_that_of_white_noise() -> None:
     assert float(np.median(fit.standard)) == pytest.approx(0.1 * math.sqrt(2 / 5_000), rel=0.2)
 
 
-@pytest.mark.parametrize("revolutions", [2.0, 2.6, 3.4])
+@pytest.mark.parametrize("revolutions", [2.6, *at_length(2.0, 3.4)])
 def test_the_uncertainty_of_few_revolutions_covers_the_truth_in_coloured_noise(revolutions: float) -> None:
     errors = []
     for seed in range(40):
@@ -39,7 +39,7 @@ def test_the_uncertainty_of_few_revolutions_covers_the_truth_in_coloured_noise(r
     assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
 
 
-@pytest.mark.parametrize("revolutions", [6.3, 12.2])
+@pytest.mark.parametrize("revolutions", [6.3, *at_length(12.2)])
 def test_orders_that_take_along_half_of_the_rows_leave_less_scatter(revolutions: float) -> None:
     errors = []
     for seed in range(60):
@@ -91,7 +91,7 @@ def test_orders_of_two_revolutions_end_where_rows_tell_them_from_their_images() 
     assert 0.8 < np.sqrt(0.5 * np.mean(np.square(relative))) < 1.5  # 5 at orders 120 to 133
 
 
-@pytest.mark.parametrize("revolutions", [2.1, 3.4, 6.2])
+@pytest.mark.parametrize("revolutions", [3.4, *at_length(2.1, 6.2)])
 def test_a_size_that_remembers_has_no_uncertainty_in_few_revolutions(revolutions: float) -> None:
     """What the ripple is in eight periods of a memory of ten is neither its scatter nor its mean."""
     count, told = round(1500 * revolutions), {True: 0, False: 0}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.responses.response_curve import ResponseCurve
+from tests.at_length import at_length
 
 FREQUENCY_HZ = np.arange(20.0, 900.0, 4.0)
 QUARTER_TURN = -0.5 * math.pi
@@ -18,7 +19,7 @@ def turned(delay_s: float) -> np.ndarray:
     return -np.arctan(FREQUENCY_HZ / 100.0) - 2.0 * np.pi * FREQUENCY_HZ * delay_s
 
 
-@pytest.mark.parametrize("error", [0.02, 0.08])
+@pytest.mark.parametrize("error", [0.02, *at_length(0.08)])
 def test_a_shallow_phase_is_where_it_is_said_to_be(error: float) -> None:
     """One parabola in a hundred does not describe its points by chance: a window that ended there was of
     five points, whose slope is that of their errors."""

@@ -19,6 +19,7 @@ from benchtool.analysis.responses.margins import margins
 from benchtool.analysis.responses.periodic_response import period_of, periodic_response
 from benchtool.analysis.responses.response_curve import ResponseCurve
 from benchtool.block import Block
+from tests.at_length import at_length
 
 RATE_HZ = 10_000.0
 PERIOD = 2000
@@ -202,7 +203,7 @@ def test_the_greatest_of_many_errors_is_no_resonance() -> None:
         assert math.isnan(peak.value) or peak.value < 0.1, seed
 
 
-@pytest.mark.parametrize(("damping", "apart_Hz"), [(0.4, 1.0), (0.15, 1.0)])
+@pytest.mark.parametrize(("damping", "apart_Hz"), [(0.4, 1.0), *at_length((0.15, 1.0))])
 def test_a_peak_of_many_frequencies_is_neither_raised_nor_lowered(damping: float, apart_Hz: float) -> None:
     frequency_Hz = np.arange(apart_Hz, 300.0, apart_Hz)
     s = 1j * frequency_Hz / 100.0

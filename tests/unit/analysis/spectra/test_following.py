@@ -117,7 +117,7 @@ def test_a_followed_phase_that_is_straight_is_certain() -> None:
     assert standard(frequency_of(straight, still())) < 1e-9
 
 
-@pytest.mark.parametrize("periods", [9.9, 12.9])
+@pytest.mark.parametrize("periods", [9.9, *at_length(12.9)])
 def test_a_steady_bend_is_followed_to_both_ends_and_only_noise_is_left(periods: float) -> None:
     random, relative = np.random.default_rng(7), []
     time = np.arange(round(periods * 100)) / round(periods * 100)

@@ -12,6 +12,7 @@ from benchtool.analysis.spectra.line_models import Complexes, Floats
 from benchtool.analysis.spectra.lines import sinusoids_of
 from benchtool.analysis.spectra.spectral_window import spectral_window
 from benchtool.analysis.spectra.steadiness import Line
+from tests.at_length import at_length
 
 _COUNT, _PLACE = 1500, 80.3
 
@@ -31,7 +32,7 @@ def _errors(swing_rad: float, cycles: float) -> np.ndarray[tuple[int], np.dtype[
     return np.array(found)
 
 
-@pytest.mark.parametrize(("swing_rad", "cycles"), [(0.0, 1.0), (0.4, 0.7), (0.3, 0.9)])
+@pytest.mark.parametrize(("swing_rad", "cycles"), [(0.0, 1.0), (0.4, 0.7), *at_length((0.3, 0.9))])
 def test_the_mean_is_within_its_uncertainty_under_a_slow_swing(swing_rad: float, cycles: float) -> None:
     errors = _errors(swing_rad, cycles)
 

@@ -175,7 +175,7 @@ def test_an_amplitude_scatters_by_its_uncertainty() -> None:
         assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(amplitudes), rel=0.2)
 
 
-@pytest.mark.parametrize(("samples", "frequency_Hz"), [(1_000, 97.3), (4_000, 411.0)])
+@pytest.mark.parametrize(("samples", "frequency_Hz"), [(1_000, 97.3), *at_length((4_000, 411.0))])
 def test_no_frequency_from_a_noisy_tone_is_surer_than_the_cramer_rao_bound(
     samples: int, frequency_Hz: float
 ) -> None:
@@ -213,7 +213,7 @@ def test_two_lengths_of_one_record_agree_within_their_uncertainty() -> None:
     assert short["current_thd_f"].value > 3.0 * long["current_thd_f"].value
 
 
-@pytest.mark.parametrize("frequency_Hz", [43.7, 97.3, 411.0])
+@pytest.mark.parametrize("frequency_Hz", [43.7, 97.3, *at_length(411.0)])
 def test_a_clean_tone_is_as_far_off_as_its_uncertainty_says(frequency_Hz: float) -> None:
     theta_e = 2 * np.pi * frequency_Hz * np.arange(20_000, dtype=np.float64) / RATE_HZ
     block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, 4.0 * np.cos(theta_e)[:, np.newaxis])
@@ -367,7 +367,7 @@ def test_sidebands_act_on_amplitude_or_phase_whatever_the_phase_of_the_line(phas
     assert quadratures[0] < 0.1 * quadratures[1]
 
 
-@pytest.mark.parametrize("periods", [2, 5, *at_length(3)])
+@pytest.mark.parametrize("periods", [2, *at_length(3, 5)])
 def test_the_interval_of_an_amplitude_of_few_periods_holds_it_as_often_as_stated(periods: int) -> None:
     """Few pairs of bins count in the standard uncertainty, and not once more in the factor k."""
     random, bins, held = np.random.default_rng(3), np.arange(12 * periods + 1), 0

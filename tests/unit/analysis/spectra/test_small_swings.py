@@ -104,7 +104,7 @@ def test_a_line_beside_a_harmonic_does_not_make_it_the_largest() -> None:
 
 
 @pytest.mark.parametrize("counts", [1000, *at_length(64, 2500)])
-@pytest.mark.parametrize("wobble_counts", [0.0, 0.02])
+@pytest.mark.parametrize("wobble_counts", [0.02, *at_length(0.0)])
 def test_counts_that_beat_with_the_rows_leave_the_frequency_open(counts: int, wobble_counts: float) -> None:
     """An encoder at a rate that is nearly a ratio of whole numbers of the rows' shows no deviation."""
     random = np.random.default_rng(counts)

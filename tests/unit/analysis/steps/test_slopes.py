@@ -14,6 +14,7 @@ from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step import analyze_step
 from benchtool.block import Block
+from tests.at_length import at_length
 
 RATE_HZ, BEFORE, ROWS, DECAY = 10_000.0, 250, 1250, 10.0
 NOISE, DRIFT = 3e-3, 1e-4
@@ -34,7 +35,7 @@ def _popcorn(random: np.random.Generator, count: int) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("drift", [DRIFT, -DRIFT])
-@pytest.mark.parametrize("height", [1.0, -1.0])
+@pytest.mark.parametrize("height", [1.0, *at_length(-1.0)])
 def test_samples_that_drift_at_rest_scatter_about_a_line(drift: float, height: float) -> None:
     random = np.random.default_rng(11)
     line = drift * (np.arange(ROWS) - BEFORE)

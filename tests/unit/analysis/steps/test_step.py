@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
@@ -33,6 +33,7 @@ def _step(before: float, after: float, rows: int = 1000, at: int = 100) -> NDArr
 
 
 @given(st.floats(-5.0, 5.0), st.floats(0.5, 10.0), st.sampled_from([1.0, -1.0]))
+@settings(max_examples=settings().max_examples // 2)
 def test_a_first_order_lag_in_either_direction(before: float, height: float, sign: float) -> None:
     tau_s = 2e-3
     r = _step(before, before + sign * height)
