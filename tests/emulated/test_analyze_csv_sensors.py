@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
+from tests.at_length import at_length
 from tests.emulated.analyze_csv import Invoke, analyze, measured
 from tests.emulated.csv_tables import phase_current, sinusoid, write
 
@@ -43,7 +44,7 @@ def _report(folder: str) -> Result:
 SCOPE = ("--csv", "scope.csv", "--time", "t", "--current", "CH1")
 
 
-@pytest.mark.parametrize("key", ['"CH1 [A]"', "CH1", "current", "i_a"])
+@pytest.mark.parametrize("key", ['"CH1 [A]"', "current", *at_length("CH1", "i_a")])
 def test_a_probe_counts_by_its_column_or_by_what_it_is(invoke: Invoke, key: str) -> None:
     Path("bench.toml").write_text(BENCH.replace('"CH1 [A]"', key), encoding="utf-8")
     without = measured(invoke(*SCOPE, "--json"))["measurements"]["current_fundamental"]

@@ -27,6 +27,7 @@ from benchtool.results.calibration import CLOCK, Calibration
 from benchtool.results.case_assessment import assess, assess_bundle
 from benchtool.results.comparison import deltas
 from benchtool.results.repetitions import over_repetitions
+from tests.at_length import at_length
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture, step_capture
 
 SENSORS = """
@@ -230,7 +231,7 @@ def test_without_a_bench_the_command_says_what_is_missing(tmp_path: Path) -> Non
     assert "overdue" not in result.stdout
 
 
-@pytest.mark.parametrize("toml", ["", "title = 'ψ'\n", "not toml", "[bench]\n"])
+@pytest.mark.parametrize("toml", ["", "not toml", *at_length("title = 'ψ'\n", "[bench]\n")])
 def test_a_bundle_without_sensors_is_read_as_before(tmp_path: Path, toml: str) -> None:
     found = Calibration.of(Manifest(what="x", when=ON, profile_toml=toml))
     assert not found.bench.channels

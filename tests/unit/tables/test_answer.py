@@ -16,6 +16,7 @@ from benchtool.errors import BenchError
 from benchtool.profile import Bench, ReferenceClock, Sensor
 from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.remarks import RemarkKind
+from tests.at_length import at_length
 
 NUMBERS = st.one_of(
     st.floats(-10.0, 10.0),
@@ -85,7 +86,7 @@ def test_every_number_of_a_table_declares_its_sensitivities_to_its_own_columns(t
     assert of == {"I", "T", "n"}
 
 
-@pytest.mark.parametrize("scale", [1e-30, 1e-9, 1e9, 1e30])
+@pytest.mark.parametrize("scale", [1e-30, 1e30, *at_length(1e-9, 1e9)])
 def test_amplitudes_of_any_size_are_measured(tmp_path: Path, scale: float) -> None:
     time_s = np.arange(4_000) * 1e-3
     angle = 2 * np.pi * 3.0 * time_s

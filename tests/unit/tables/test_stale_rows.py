@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchtool.analysis import Measurement
 from benchtool.tables import TableQuestion, analyze_table
 from benchtool.tables.stale_rows import often_stale, repeating_rows, stale_rows, too_stale
+from tests.at_length import at_length
 
 Array = NDArray[np.float64]
 ROWS = 4_000
@@ -105,7 +106,7 @@ def numbers(path: Path, values: Array, angle: bool = False) -> dict[str, Measure
     return {each.name: each for each in analyze_table(TableQuestion(path, "t:s", columns)).measurements}
 
 
-@pytest.mark.parametrize("share", [0.03, 0.18])
+@pytest.mark.parametrize("share", [0.18, *at_length(0.03)])
 def test_lines_keep_their_size(tmp_path: Path, share: float) -> None:
     time_s, angle = np.arange(ROWS) * 1e-4, np.mod(TURN * 0.015 * np.arange(ROWS), TURN)
     values = np.column_stack([held(np.column_stack([signals(), angle]), some(share))])
