@@ -3,6 +3,18 @@ from .catalogue import (
     catalogue as catalogue,
     measure as measure,
 )
+from .coherent.spectrum import (
+    CoherentSamples as CoherentSamples,
+    CoherentSpectrum as CoherentSpectrum,
+    Component as Component,
+    Spectrum as Spectrum,
+    amplitude_spectrum as amplitude_spectrum,
+    coherent_samples as coherent_samples,
+    coherent_spectrum as coherent_spectrum,
+    harmonics as harmonics,
+    largest_low_component as largest_low_component,
+    spectrum_of as spectrum_of,
+)
 from .crop import crop_to as crop_to
 from .declaration import (
     Analysis as Analysis,
@@ -17,6 +29,10 @@ from .distributions import (
     students_deviation as students_deviation,
 )
 from .flux.trajectory import flux_trajectory as flux_trajectory
+from .lines.lines import (
+    SpectralLines as SpectralLines,
+    spectral_lines as spectral_lines,
+)
 from .measurement import (
     Basis as Basis,
     Correction as Correction,
@@ -27,6 +43,11 @@ from .measurement import (
     tables_from_json as tables_from_json,
     tables_to_json as tables_to_json,
     undefined as undefined,
+)
+from .noise.noise import (
+    NoiseFloor as NoiseFloor,
+    harmonic_noise as harmonic_noise,
+    noise_floor as noise_floor,
 )
 from .numbers import (
     NOTHING as NOTHING,
@@ -101,27 +122,6 @@ from .spectra.harmonics import (
     harmonic_table as harmonic_table,
     relative_phase_rad as relative_phase_rad,
     total_harmonic_distortion as total_harmonic_distortion,
-)
-from .spectra.lines import (
-    SpectralLines as SpectralLines,
-    spectral_lines as spectral_lines,
-)
-from .spectra.noise import (
-    NoiseFloor as NoiseFloor,
-    harmonic_noise as harmonic_noise,
-    noise_floor as noise_floor,
-)
-from .spectra.spectrum import (
-    CoherentSamples as CoherentSamples,
-    CoherentSpectrum as CoherentSpectrum,
-    Component as Component,
-    Spectrum as Spectrum,
-    amplitude_spectrum as amplitude_spectrum,
-    coherent_samples as coherent_samples,
-    coherent_spectrum as coherent_spectrum,
-    harmonics as harmonics,
-    largest_low_component as largest_low_component,
-    spectrum_of as spectrum_of,
 )
 from .spectra.unbalance import current_unbalance as current_unbalance
 from .statistics.lost_samples import continued as continued

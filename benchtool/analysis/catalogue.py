@@ -21,11 +21,11 @@ from benchtool.analysis.declaration import (
 )
 from benchtool.analysis.flux.ripple import FLUX_RIPPLE
 from benchtool.analysis.flux.trajectory import FLUX_TRAJECTORY
+from benchtool.analysis.lines.lines import TORQUE_LINES
 from benchtool.analysis.orders.orders import SPEED_ORDERS, TORQUE_ORDERS
 from benchtool.analysis.plug_ins import GROUP, guarded, load, require_declared, require_distinct
 from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE
 from benchtool.analysis.spectra.current import CURRENT_SPECTRUM
-from benchtool.analysis.spectra.lines import TORQUE_LINES
 from benchtool.analysis.spectra.unbalance import CURRENT_UNBALANCE
 from benchtool.analysis.steps.step import STEP
 from benchtool.analysis.switching import SWITCHING_FREQUENCY, SWITCHING_STATES

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from benchtool.analysis.catalogue import CORE
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.declaration import Findings
 from benchtool.analysis.measurement import Measurement, MeasurementJson, Table, measurements_to_json
 from benchtool.analysis.spectra.current import CURRENT_SPECTRUM
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block

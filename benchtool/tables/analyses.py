@@ -19,6 +19,7 @@ from benchtool.analysis import (
     require_signal,
     ripple_of_rows,
 )
+from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.orders import (
     Orders,
     angle_coverage,
@@ -32,7 +33,6 @@ from benchtool.analysis.spectra import (
     CurrentSpectrum,
     current_spectrum,
     current_unbalance,
-    spectral_lines,
 )
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import PHASES

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
-from benchtool.analysis.spectra import marks_of_rotor, marks_of_tone
+from benchtool.analysis.phase import marks_of_rotor, marks_of_tone
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
 

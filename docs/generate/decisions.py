@@ -208,7 +208,7 @@ SECTIONS: Final = (
     Section(
         "Spectra: frequency and the phase that is followed",
         "Over which course of the phase a spectrum is taken, and what that says of the fundamental "
-        "frequency (`benchtool.analysis.spectra`).",
+        "frequency (`benchtool.analysis.phase`).",
         """
         0035 0180 0186 0221 0236 0320 0206 0304 0340 0189
         0245 0413 0415 0416 0417 0353 0375 0241 0301 0370 0418 0477
@@ -217,7 +217,7 @@ SECTIONS: Final = (
     Section(
         "Spectra: harmonics, distortion and noise",
         "The uncertainty of harmonics, THD, groups and noise floor by what is around the lines "
-        "(`benchtool.analysis.spectra`).",
+        "(`benchtool.analysis.spectra`, `benchtool.analysis.noise`).",
         """
         0044 0147 0159 0188 0158 0446 0278 0273 0318 0272
         0411 0412 0414 0276 0404 0396 0449 0464 0469 0478 0319 0202 0233 0244
@@ -227,7 +227,7 @@ SECTIONS: Final = (
     Section(
         "Spectra: lines without an angle",
         "The largest lines of a torque or current: whether they are one line, steady, and above the noise "
-        "(`benchtool.analysis.spectra`).",
+        "(`benchtool.analysis.lines`).",
         """
         0220 0226 0277 0303 0379 0385 0395
         """,
@@ -235,7 +235,7 @@ SECTIONS: Final = (
     Section(
         "Orders, and errors of a measured angle",
         "Orders against the rotor angle, and how an error of the angle is told from a motion of the rotor "
-        "(`benchtool.analysis.orders`, `benchtool.analysis.spectra.course`).",
+        "(`benchtool.analysis.orders`, `benchtool.analysis.lines.course`).",
         """
         0215 0322 0384 0398 0386 0256 0317 0321 0456 0326
         0238 0344 0348 0405 0410 0359 0324 0343 0347 0448
@@ -298,7 +298,7 @@ SECTIONS: Final = (
         "Packages, names and declarations",
         "How the code is divided, how an analysis is declared, and how things are named.",
         """
-        0065 0092 0330 0056 0057 0029 0070 0071
+        0065 0482 0092 0330 0056 0057 0029 0070 0071
         """,
     ),
     Section(

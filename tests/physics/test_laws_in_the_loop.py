@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import coherent_spectrum, largest_low_component
 from benchtool.analysis.periods import track_angle
-from benchtool.analysis.spectra.spectrum import coherent_spectrum, largest_low_component
 from benchtool.emulator.control.laws import Law
 from benchtool.emulator.core import Core
 from benchtool.protocol.modes import Mode

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.spectra.noise_of_lines import PAIRS, experimental_noise_of_pairs
+from benchtool.analysis.noise.noise_of_lines import PAIRS, experimental_noise_of_pairs
 
 FEWEST_REVOLUTIONS = 1.9
 """From as many on, a fit of whole orders leaves most of the noise between them."""

@@ -10,8 +10,11 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
+from benchtool.analysis.noise.noise_of_lines import line_noise
 from benchtool.analysis.orders.angle import (
     TURN,
     AngleCoverage,
@@ -25,9 +28,6 @@ from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
-from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
-from benchtool.analysis.spectra.noise_of_lines import line_noise
-from benchtool.analysis.spectra.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
 from benchtool.block import Block

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchtool.analysis.spectra.lines import sinusoids_of
-from benchtool.analysis.spectra.steadiness import Line
+from benchtool.analysis.lines.lines import sinusoids_of
+from benchtool.analysis.lines.steadiness import Line
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.lines.around_lines import interpolated
 from benchtool.analysis.sensors.lag import Response
-from benchtool.analysis.spectra.around_lines import interpolated
 
 Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]

@@ -25,13 +25,13 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.spectra.close_distances import likely_fits
-from benchtool.analysis.spectra.converter_lines import aliased_quantisation
+from benchtool.analysis.lines.close_distances import likely_fits
+from benchtool.analysis.noise.converter_lines import aliased_quantisation
+from benchtool.analysis.noise.noise import harmonic_noise
 from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel, sinusoid
 from benchtool.analysis.spectra.moving_tones import Course, MovingTone
-from benchtool.analysis.spectra.noise import harmonic_noise
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -9,26 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
-from benchtool.analysis.drawings import WAVEFORMS
-from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation.resolution import level_of, resolution
-from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
-from benchtool.analysis.spectra.converter_lines import largest_of_steps
-from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
-from benchtool.analysis.spectra.groups import group_table, harmonic_groups
-from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
-from benchtool.analysis.spectra.interharmonics import noise_of_fit
-from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
-from benchtool.analysis.spectra.mean_frequency import frequency
-from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
-from benchtool.analysis.spectra.noise import NoiseFloor, noise_floor
-from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise, line_noise
-from benchtool.analysis.spectra.noise_of_periods import without_changes
-from benchtool.analysis.spectra.separation import Separation, separate
-from benchtool.analysis.spectra.soundness import soundness, turned_around
-from benchtool.analysis.spectra.spectrum import (
+from benchtool.analysis.coherent.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
@@ -37,6 +18,25 @@ from benchtool.analysis.spectra.spectrum import (
     largest_low_component,
     spectrum_of,
 )
+from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
+from benchtool.analysis.drawings import WAVEFORMS
+from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.noise.converter_lines import largest_of_steps
+from benchtool.analysis.noise.noise import NoiseFloor, noise_floor
+from benchtool.analysis.noise.noise_of_lines import contribution_of_noise, line_noise
+from benchtool.analysis.noise.noise_of_periods import without_changes
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase.mean_frequency import frequency
+from benchtool.analysis.quantisation.resolution import level_of, resolution
+from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
+from benchtool.analysis.spectra.groups import group_table, harmonic_groups
+from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
+from benchtool.analysis.spectra.interharmonics import noise_of_fit
+from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
+from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
+from benchtool.analysis.spectra.separation import Separation, separate
+from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.validity import clipping, require_unbroken, standing

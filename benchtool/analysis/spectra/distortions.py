@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
@@ -26,7 +27,6 @@ from benchtool.analysis.spectra.harmonics import (
     total_harmonic_distortion,
 )
 from benchtool.analysis.spectra.line_errors import LineErrors
-from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 

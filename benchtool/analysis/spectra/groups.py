@@ -11,9 +11,9 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
-from benchtool.analysis.spectra.spectrum import CoherentSamples
 from benchtool.analysis.statistics.scatter import MeanError, error_of_series
 from benchtool.analysis.uncertainty import Contribution
 

@@ -10,12 +10,12 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.measurement import Basis, LineColumn, Table
+from benchtool.analysis.noise.noise import noise_floor
+from benchtool.analysis.noise.noise_of_lines import contribution_of_noise
 from benchtool.analysis.spectra.line_errors import SURE_OF_STEPS, LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum
-from benchtool.analysis.spectra.noise import noise_floor
-from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 

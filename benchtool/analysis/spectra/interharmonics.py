@@ -13,10 +13,10 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
+from benchtool.analysis.lines.line_models import as_real
 from benchtool.analysis.spectra.groups import HarmonicGroups, groups_of, ratio_of
-from benchtool.analysis.spectra.line_models import as_real
 from benchtool.analysis.spectra.moving_tones import Course, MovingTone, moving_tones
-from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

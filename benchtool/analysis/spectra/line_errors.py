@@ -8,12 +8,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum, harmonics
+from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
+from benchtool.analysis.noise.noise import harmonic_noise
+from benchtool.analysis.noise.noise_of_lines import contribution_of_noise, line_noise
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps
-from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
 from benchtool.analysis.spectra.modulation import is_modulated_alike, wander_of_mean
-from benchtool.analysis.spectra.noise import harmonic_noise
-from benchtool.analysis.spectra.noise_of_lines import contribution_of_noise, line_noise
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution
 

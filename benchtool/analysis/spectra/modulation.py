@@ -9,11 +9,11 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_of_pairs
+from benchtool.analysis.phase.phase_following import wander
 from benchtool.analysis.quantisation.swept_steps import relative_error
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
-from benchtool.analysis.spectra.noise_of_lines import PAIRS, noise_of_pairs
-from benchtool.analysis.spectra.phase_following import wander
-from benchtool.analysis.spectra.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import (
     MeanError,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.spectra.spectrum import CoherentSamples
+from benchtool.analysis.coherent.spectrum import CoherentSamples
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

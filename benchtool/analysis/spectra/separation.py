@@ -9,7 +9,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    CoherentSpectrum,
+    coherent_samples,
+    spectrum_of,
+)
 from benchtool.analysis.periods import PhaseTrack, track_tone
+from benchtool.analysis.phase.phase_following import Wander, follow, wander
+from benchtool.analysis.phase.turned_phase import left_at_ends_rad
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import Beside
 from benchtool.analysis.spectra.groups import HarmonicGroups, harmonic_groups
@@ -24,15 +33,6 @@ from benchtool.analysis.spectra.interharmonics import (
 )
 from benchtool.analysis.spectra.modulation import SteadyAmplitude, with_steady_amplitude
 from benchtool.analysis.spectra.moving_tones import Course, course_of
-from benchtool.analysis.spectra.phase_following import Wander, follow, wander
-from benchtool.analysis.spectra.spectrum import (
-    FIRST_ROW,
-    CoherentSamples,
-    CoherentSpectrum,
-    coherent_samples,
-    spectrum_of,
-)
-from benchtool.analysis.spectra.turned_phase import left_at_ends_rad
 
 Floats = NDArray[np.float64]
 

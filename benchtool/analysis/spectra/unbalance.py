@@ -17,25 +17,25 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
-from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.quantisation.resolution import level_of, resolution
-from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
-from benchtool.analysis.spectra.converter_lines import converter_steps, repeated_quantisation
-from benchtool.analysis.spectra.current import current_of
-from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
-from benchtool.analysis.spectra.modulation import CORRELATED
-from benchtool.analysis.spectra.moving_tones import Course
-from benchtool.analysis.spectra.noise_of_lines import PAIRS, noise_at_lines
-from benchtool.analysis.spectra.resampling import gain_error
-from benchtool.analysis.spectra.spectrum import (
+from benchtool.analysis.coherent.resampling import gain_error
+from benchtool.analysis.coherent.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     coherent_samples_of_all,
     spectrum_of,
 )
+from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
+from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
+from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_at_lines
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.quantisation.resolution import level_of, resolution
+from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.current import current_of
+from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
+from benchtool.analysis.spectra.modulation import CORRELATED
+from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.statistics.scatter import (
     MeanError,

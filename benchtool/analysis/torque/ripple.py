@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
+from benchtool.analysis.phase.period_marks import marks_of_rotor
 from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
-from benchtool.analysis.spectra.period_marks import marks_of_rotor
 from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError

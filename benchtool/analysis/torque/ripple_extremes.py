@@ -9,8 +9,8 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.resampling import HALF_WIDTH, interpolate
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
-from benchtool.analysis.spectra.resampling import HALF_WIDTH, interpolate
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES, HeavyTail, scatter_of_largest
 from benchtool.analysis.statistics.maxima import (
     ends_before_normal,

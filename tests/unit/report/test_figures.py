@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchtool.analysis.catalogue import CORE
+from benchtool.analysis.coherent.spectrum import largest_low_component
 from benchtool.analysis.declaration import Panel
 from benchtool.analysis.flux.trajectory import FLUX_TRAJECTORY
-from benchtool.analysis.spectra.spectrum import largest_low_component
 from benchtool.analysis.steady_state import steady_state_of
 from benchtool.analysis.window import Window
 from benchtool.block import Block, Channel, Gap

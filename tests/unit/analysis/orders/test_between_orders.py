@@ -7,8 +7,8 @@ import cmath
 import numpy as np
 import pytest
 
+from benchtool.analysis.noise.noise_of_lines import PAIRS, experimental_noise_of_pairs
 from benchtool.analysis.orders.between_orders import fitted_share, noise_between_orders
-from benchtool.analysis.spectra.noise_of_lines import PAIRS, experimental_noise_of_pairs
 
 HIGHEST = 12
 

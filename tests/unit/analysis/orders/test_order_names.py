@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.orders.angle import TURN
 from benchtool.analysis.orders.order_spectrum import resampled_orders
 from benchtool.analysis.orders.orders import describe_orders, order_analysis
 from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, order_meaning
-from benchtool.analysis.spectra import spectral_lines
 from benchtool.block import Block
 from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import Array, block_of, fitted, steady, torque_at, uneven_angle

@@ -10,12 +10,12 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import FIRST_ROW, coherent_samples, spectrum_of
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase.phase_following import wander
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.spectra.modulation import phase_noise_rad, with_steady_amplitude
-from benchtool.analysis.spectra.phase_following import wander
-from benchtool.analysis.spectra.spectrum import FIRST_ROW, coherent_samples, spectrum_of
 
 Array = NDArray[np.float64]
 PERIODS, PER_PERIOD = 40, 200

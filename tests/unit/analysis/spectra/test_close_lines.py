@@ -7,11 +7,11 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import coherent_samples, spectrum_of
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.spectra.close_lines import close_lines
 from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.interharmonics import Interharmonics
-from benchtool.analysis.spectra.spectrum import coherent_samples, spectrum_of
 from benchtool.block import Block
 from tests.at_length import at_length
 

@@ -9,7 +9,7 @@ import pytest
 
 from benchtool.analysis import CoherentSpectrum, Reference, total_harmonic_distortion
 from tests.at_length import at_length
-from tests.unit.analysis.spectra.lines_in_noise import spectrum_of
+from tests.unit.analysis.noise.lines_in_noise import spectrum_of
 
 
 @pytest.mark.slow

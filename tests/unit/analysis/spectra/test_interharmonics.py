@@ -10,6 +10,12 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy import signal
 
+from benchtool.analysis.coherent.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    coherent_samples,
+    spectrum_of,
+)
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.groups import harmonic_groups, ratio_of
@@ -20,12 +26,6 @@ from benchtool.analysis.spectra.interharmonics import (
     without,
 )
 from benchtool.analysis.spectra.moving_tones import Course
-from benchtool.analysis.spectra.spectrum import (
-    FIRST_ROW,
-    CoherentSamples,
-    coherent_samples,
-    spectrum_of,
-)
 from benchtool.block import Block
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis import amplitude_spectrum, coherent_spectrum, current_spectrum, track_angle
-from benchtool.analysis.spectra.resampling import HALF_WIDTH, gain_error, interpolate, interpolate_all
+from benchtool.analysis.coherent.resampling import HALF_WIDTH, gain_error, interpolate, interpolate_all
 from benchtool.block import Block, Channel
 
 RATE_HZ = 10e3

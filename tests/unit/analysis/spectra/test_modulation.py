@@ -9,11 +9,11 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy import signal
 
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum, coherent_spectrum
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.spectra.harmonics import Reference, total_harmonic_distortion
 from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, wander_of_mean
-from benchtool.analysis.spectra.spectrum import CoherentSpectrum, coherent_spectrum
 
 Array = NDArray[np.float64]
 PERIODS, PER_PERIOD = 80, 200

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.analysis.coherent.spectrum import CoherentSamples, spectrum_of
 from benchtool.analysis.spectra.interharmonics import Interharmonics, between_harmonics, without
 from benchtool.analysis.spectra.moving_tones import Course, moving_tones
-from benchtool.analysis.spectra.spectrum import CoherentSamples, spectrum_of
 
 PERIODS, PER_PERIOD = 60, 200
 

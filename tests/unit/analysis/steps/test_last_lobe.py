@@ -1,4 +1,4 @@
-"""Whether the last lobe leaves the band: what noise alone decides is as uncertain as both places are apart."""
+"""Whether the last lobe leaves the band: what noise decides is as uncertain as both places are apart."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Signals at equal steps of their phase, over whole periods, and the spectrum of these."""

@@ -1,0 +1,1 @@
+from .lines import spectral_lines as spectral_lines

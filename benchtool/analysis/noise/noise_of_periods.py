@@ -1,0 +1,196 @@
+"""Noise floor beside harmonics that change, by what differs between successive periods."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.noise.noise import (
+    NoiseFloor,
+    followed_bins,
+    noise_floor,
+    relative_to_found,
+    sidebands,
+)
+from benchtool.analysis.noise.noise_over_time import ONE_LEVEL
+
+_BY_CHANCE = 1e-2  # of a ratio of variances
+_BESIDE = 2  # orders
+_OF_WHITE = 6.0  # 1 + 4 + 1: the power of a second difference, times that of white noise
+_AS_ONE = 35.0 / 18.0  # second differences overlap: the sum of their squared correlations
+_ALIKE = 1e-3  # by chance, of the powers of two differences
+_LEAST = 0.95  # of a power: with more, a floor without a step stays as it is
+_FEWEST_PERIODS = 7  # of five differences two are without a step, wherever it is
+_FEWEST_BESIDE_A_STEP = 4  # periods: of three one difference tells no step from noise
+_OF_A_STEP, _ONE_IN = 3, 20  # differences that a step is in, and of many, that may have more besides
+_FEWEST_TO_SCATTER = 4  # powers
+_BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
+_MANY_PERIODS = 32  # in which a phase moves so slowly that differences hardly show what is left of it
+_PARTLY = 0.25  # of the distance between two levels
+_HARDLY = 100.0  # exponent of a probability of zero
+_MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
+
+
+@dataclass(frozen=True)
+class _Differences:
+    """Mean square of a bin by the second differences of successive periods, its relative variance, and how
+    many of them were left out of how many; `from_first` is that of the bins from order 1 on, `with_bursts`
+    that of all differences."""
+
+    power: float
+    from_first: float
+    with_bursts: float
+    variance: float
+    left_out: int
+    of: int
+
+    @property
+    def has_bursts(self) -> bool:
+        """Whether more have more than the others than a step would leave: noise in bursts is no step."""
+        return self.left_out > _OF_A_STEP + self.of // _ONE_IN
+
+
+def without_changes(
+    floor: NoiseFloor | None,
+    spectrum: CoherentSpectrum,
+    samples: CoherentSamples,
+    *,
+    has_stepped: bool,
+    follows_signal: bool = False,
+    step: float = 0.0,
+) -> NoiseFloor | None:
+    """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude or
+    phase changes.
+
+    A ramp, or a step, of an amplitude has sidebands that fall off as the inverse distance, and are more than
+    the noise in all bins of a spectrum. They are in phase with the harmonic, and those of a phase in
+    quadrature to it, as of one that slips too little to be followed: where the fundamental has more of the
+    one than of the other, the floor is by the second differences of successive periods if these have less.
+    Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
+    what bends otherwise shows in the fundamental first. What is below order 1 these differences do not show:
+    it is taken to be as at the lowest orders. Of an amplitude that `has_stepped` the step was divided out,
+    but for what it leaves in the period that it is in. There is none where too few differences tell it, or
+    more of them have more than a step would leave.
+
+    Where they do not have less, they tell how probable it is that a phase that follows the signal over many
+    periods has left something; the counts of an angle leave fast errors.
+    """
+    if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
+        return floor
+    of_steps = math.sqrt(step**2 / 3.0 / samples.samples)
+    if floor.amplitude < _BESIDE_STEPS * of_steps:
+        return floor
+    changes = has_stepped or _changes(spectrum, floor.over_time.evenness, follows_signal)
+    tells_rest = follows_signal and floor.least < 1.0 and samples.periods >= _MANY_PERIODS
+    if not changes and not tells_rest:
+        return floor
+    found = _differences(samples)
+    if found is None:
+        return None if changes else floor
+    from_first = noise_floor(spectrum, 1.0) or floor
+    there = from_first.amplitude**2
+    if not there > 0.0:
+        return floor
+    if tells_rest:
+        of_noise = math.sqrt((found.with_bursts if found.has_bursts else found.from_first) / there)
+        all_noise = _all_noise(floor.least, of_noise, 0.5 * math.sqrt(found.variance))
+        floor = replace(floor, all_noise=all_noise)
+    least = 1.0 if has_stepped else _LEAST
+    if not changes or not 0.0 < found.from_first < least * there:
+        return floor
+    if found.has_bursts or found.variance > _MOST_VARIANCE:
+        return None
+    return replace(
+        floor,
+        highest=math.sqrt(found.power),
+        of_bins=relative_to_found(math.sqrt(found.variance)),
+        least=1.0,
+        dof=2.0 / found.variance,
+        over_time=ONE_LEVEL,
+    )
+
+
+def _all_noise(least: float, ratio: float, standard: float) -> float:
+    """Return the probability that a floor has noise alone, and not `least` of it, which is below 1, by
+    another estimate of it, `ratio` of it, and the standard uncertainty of that.
+
+    A rest of a phase may be partly in that estimate too: so much of the distance counts as uncertain.
+    """
+    variance = standard**2 + (_PARTLY * (1.0 - least)) ** 2
+    exponent = 0.5 * ((ratio - 1.0) ** 2 - (ratio - least) ** 2) / variance
+    return 1.0 / (1.0 + math.exp(min(exponent, _HARDLY)))
+
+
+def _differences(samples: CoherentSamples) -> _Differences | None:
+    """Return what second differences of successive periods tell of the noise from order 1 on; None where they
+    are too few to tell a step from it."""
+    phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
+    phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
+    square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
+    own, beside = square[:, 0], np.mean(square[:, 1 : 1 + _BESIDE], axis=1)
+    if _is_more(float(np.mean(own)), float(np.mean(beside)), len(own)):
+        square[:, 0] = beside
+    of_orders, half = np.median(square, axis=0), square.shape[1] // 2
+    lower, upper = float(np.mean(of_orders[:half])), float(np.mean(of_orders[half:]))
+    if samples.periods < _FEWEST_PERIODS and (
+        samples.periods < _FEWEST_BESIDE_A_STEP or _is_more(lower, upper, half)
+    ):
+        return None  # a step, the power of whose part of a period falls with the square of the order
+    of_each = np.mean(square, axis=1)
+    order = np.argsort(of_each)
+    usual = float(of_each[order[len(order) // 8]])  # a step is in three, and the least of many is low
+    quiet = square[order[: max(1, len(order) // 2)]]
+    alike = _alike(quiet)
+    kept = [index for index, each in enumerate(of_each) if not _is_more(each, usual, alike, _ALIKE)]
+    alike = min(_alike(square[kept]), _even(of_each[kept]))
+    from_first, below = float(np.mean(of_each[kept])), float(np.mean(square[kept, : 1 + _BESIDE]))
+    of_one, of_below = _AS_ONE / len(kept), 1.0 / samples.usable_order
+    power = (1.0 - of_below) * from_first + of_below * below
+    variance = of_one / alike
+    if power > 0.0:
+        variance += (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
+    left_out = len(of_each) - len(kept)
+    return _Differences(power, from_first, float(np.mean(of_each)), variance, left_out, len(of_each))
+
+
+def _alike(square: NDArray[np.float64]) -> float:
+    """Return of how many orders alike the mean would scatter as that of these, of shape (differences,
+    orders), which scatter themselves."""
+    of_orders = np.mean(square, axis=0)
+    scatter = 1.0 + _AS_ONE / len(square)
+    return scatter * float(np.sum(of_orders)) ** 2 / float(of_orders @ of_orders)
+
+
+def _even(powers: NDArray[np.float64]) -> float:
+    """Return how many orders alike would have means that scatter as these do; as many as may be where they
+    are too few to tell."""
+    if len(powers) < _FEWEST_TO_SCATTER:
+        return math.inf
+    variance = float(np.var(powers, ddof=1))
+    return float(np.mean(powers)) ** 2 / variance if variance > 0.0 else math.inf
+
+
+def _is_more(power: float, other: float, count: float, by_chance: float = _BY_CHANCE) -> bool:
+    """Return whether a mean of so many exponentially distributed powers is more than another of as many, and
+    not by chance."""
+    return other > 0.0 and fisher_above(2.0 * count, 2.0 * count, power / other) < by_chance
+
+
+def _changes(spectrum: CoherentSpectrum, evenness: float, follows_signal: bool) -> bool:
+    """Return whether sidebands of the fundamental are more in phase with it than in quadrature, or less, and
+    not by chance: noise that is most in a part of the record, `evenness` of it, scatters by more. Those that
+    a phase which follows the signal took along tell nothing."""
+    periods, bins = spectrum.periods, spectrum.phasor
+    reach = min(periods, len(bins) - periods) - 1
+    if reach < 2:
+        return False
+    in_phase, quadrature = sidebands(bins, periods, reach)
+    first = followed_bins(in_phase, quadrature) if follows_signal else 0
+    powers = float(np.sum(in_phase[first:])), float(np.sum(quadrature[first:]))
+    return first < reach and _is_more(max(powers), min(powers), evenness * (reach - first))

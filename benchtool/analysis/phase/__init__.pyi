@@ -1,0 +1,4 @@
+from .period_marks import (
+    marks_of_rotor as marks_of_rotor,
+    marks_of_tone as marks_of_tone,
+)

@@ -1,0 +1,101 @@
+"""Mean frequency of the fundamental over a window, with its budget."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase.continuation import FEWEST
+from benchtool.analysis.phase.phase_following import Wander
+from benchtool.analysis.phase.turned_angle import tells_its_turn, turned_by_angle
+from benchtool.analysis.phase.turned_phase import middles_of_periods, turned_by_tone
+from benchtool.analysis.sensitivity import NO_SENSORS
+from benchtool.analysis.statistics.repeatability import wander_of_difference
+from benchtool.analysis.uncertainty import Contribution, combined
+
+_TOO_SHORT = (
+    "an error of the angle's sensor does not show within {:.2g} revolutions, and the signal has {} whole "
+    "periods, at least {} are needed to tell its own phase: record longer"
+)
+
+
+def frequency(
+    spectrum: CoherentSpectrum,
+    track: PhaseTrack,
+    seen: Wander,
+    basis: Basis,
+    rate_relative: float | None,
+    reason: str,
+    step: float = 0.0,
+    beside_rad: float = 0.0,
+) -> Measurement:
+    """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
+    `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
+    over the record."""
+    name, text = "fundamental_frequency", "mean electrical frequency of the window"
+    by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
+    if by_tone and track.measured_rad is not None:
+        text += f", of the signal; the angle alone gives {_of_angle_Hz(spectrum, track):.6g} Hz"
+        if not reason and len(seen.phase_rad) < FEWEST:
+            reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
+    if by_tone and reason:
+        return Measurement.undefined(name, "Hz", text, reason, basis)
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
+    of_tone = partial(turned_by_tone, spectrum, track, seen, step, beside_rad)
+    if by_tone:
+        turned = of_tone()
+    else:
+        is_told = not reason and len(seen.phase_rad) >= FEWEST
+        turned = turned_by_angle(track, seen, of_tone() if is_told else None)
+    budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
+    clock = ", and of the rate by the time stamps"
+    if rate_relative is None:
+        clock = "; of the clock what [bench.clock] states"
+    # residue of Newton's method and rounding in a phase
+    rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
+    budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))
+    if rate_relative is not None:
+        of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
+        budget.append(of_rate)
+    uncertain = combined([each for each in budget if each.standard != 0.0], f"{turned.source}{clock}")
+    value_Hz = per_rad_Hz * turned.phase_rad
+    whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
+    return Measurement(
+        name,
+        value_Hz,
+        "Hz",
+        text,
+        whole,
+        uncertain,
+        repeatability=_between_records(spectrum, track, seen),
+        sensitivities=NO_SENSORS,
+    )
+
+
+def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander) -> Contribution | None:
+    """Return how much the mean frequency of another record differs because the speed wanders."""
+    if track.measured_rad is not None:
+        phase_rad, duration_s = track.measured_rad, spectrum.duration_s * track.samples / spectrum.samples
+    else:
+        marks = middles_of_periods(track, seen)
+        rate_Hz = spectrum.samples / spectrum.duration_s
+        phase_rad = track.at(marks) + seen.phase_rad
+        duration_s = len(marks) * float(marks[1] - marks[0]) / rate_Hz
+    wander = wander_of_difference(phase_rad)
+    if not math.isfinite(wander.standard):
+        return None
+    name = "wander of the speed, by that of the phase within the record"
+    return Contribution(name, "A", wander.standard / (2.0 * math.pi * duration_s), wander.dof)
+
+
+def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:
+    begin, end = float(track.phase(0)), float(track.phase(track.samples - 1))
+    rate_Hz = spectrum.samples / spectrum.duration_s
+    return (end - begin) / (2.0 * math.pi) * rate_Hz / (track.samples - 1)

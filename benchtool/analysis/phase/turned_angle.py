@@ -1,0 +1,203 @@
+"""Phase of a measured angle from the first to the last row of a window, with its budget."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from benchtool.analysis.coherent.spectrum import FIRST_ROW, rows_of
+from benchtool.analysis.lines.course import FEWEST_TURNS, change_over_record, repeated_in_turns
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase.phase_following import Wander
+from benchtool.analysis.phase.steady_departure import steady_departure
+from benchtool.analysis.phase.turned_phase import Turned
+from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
+from benchtool.analysis.statistics.scatter import error_of_series
+from benchtool.analysis.uncertainty import Contribution
+
+_LESS_THAN_A_COUNT = 1.0 - 1e-6
+_COMPUTED_RAD = 1e-7  # noise of an angle that no sensor has
+_BLOCKS, _FEWEST_IN_BLOCK = 128, 3
+_SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record, over its rms: 1.8 sqrt(2)
+_FEWEST_AT_END = 12  # samples of an angle for a cubic
+_PASSES = 2
+_BEYOND = 3.0  # standard uncertainties of the angle
+_HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
+
+Floats = NDArray[np.float64]
+
+
+def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = None) -> Turned:
+    """Return the phase of the measured angle of a track, of which the signal departs by what was `seen`.
+
+    Counts tell a speed that is nearly a simple ratio of them to the rows less well than others: the same few
+    places of a count pass all over the record. Where the signal's own phase, `by_tone`, agrees with an angle
+    in counts, it counts by its variance.
+
+    Raises:
+        ValueError: the track has no measured angle.
+    """
+    if track.measured_rad is None:
+        raise ValueError("a track without a measured angle: give the phase of the tone")
+    smooth_rad = np.asarray(track.phase(np.arange(track.samples, dtype=np.float64)))
+    if track.departure is None and (counted := _of_counts(track, track.measured_rad)) is not None:
+        line_rad = np.linspace(0.0, counted.phase_rad, track.samples)
+        departed = _with_departure(counted, track, seen, line_rad - smooth_rad)
+        return _with_tone(counted, by_tone) if departed is counted else departed
+    repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
+    measured_rad = track.measured_rad - repeated_rad
+    may_be_rad = float(repeated_rad[-1] - repeated_rad[0])
+    if track.departure is not None:
+        found = _by_ends(track, measured_rad, seen)
+    else:
+        found = _by_course(track, smooth_rad, measured_rad)
+        if not _shows_turns(track):  # nothing is seen to repeat: all of the course may be the sensor's
+            may_be_rad += float(smooth_rad[-1] - smooth_rad[0]) - found.phase_rad
+        elif not track.resolution_rad > 0.0:
+            # slow noise is more than it seems in few rows: ends are better of a computed angle alone
+            noise = _by_ends(track, measured_rad, seen).budget[0]
+            if noise.standard < _COMPUTED_RAD:
+                found = Turned(float(measured_rad[-1] - measured_rad[0]), (noise,), noise.name)
+    half_rad = _HALF * may_be_rad
+    of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
+    turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
+    result = turned
+    if track.departure is None:
+        result = _with_departure(turned, track, seen, measured_rad - smooth_rad)
+    return _with_tone(result, by_tone) if result is turned and track.resolution_rad > 0.0 else result
+
+
+def _with_tone(turned: Turned, by_tone: Turned | None) -> Turned:
+    return turned if by_tone is None else turned.with_other(by_tone)
+
+
+def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: Floats) -> Turned:
+    """Return the phase halfway to that of the signal where this departs from the angle steadily, by more than
+    noise and the angle's own error explain: an encoder that slips, or a current whose phase moves.
+
+    `angle_rad` is what the angle departs from the track that the signal was seen along, shape (n,).
+    """
+    periods = len(seen.phase_rad)
+    edges = FIRST_ROW + rows_of(track, periods) / periods * np.arange(periods + 1)
+    first = np.round(edges).astype(np.int64)
+    along_rad = np.add.reduceat(angle_rad[: first[-1]], first[:-1]) / np.diff(first)
+    half_rad = _HALF * track.periods * steady_departure(seen.phase_rad - along_rad, seen.amplitude)
+    if not _HALF * _BEYOND * turned.standard < abs(half_rad):
+        return turned
+    line = Contribution("steady departure of the signal from the angle", "B", abs(half_rad))
+    return Turned(turned.phase_rad + half_rad, (*turned.budget, line), f"{turned.source}, and {line.name}")
+
+
+def tells_its_turn(track: PhaseTrack) -> bool:
+    """Return whether a measured angle tells how far it turned: over a whole revolution, an error of its
+    sensor is in its course.
+
+    Of a part of one, most of such an error is a change of speed. Where a speed that swings is followed it is
+    seen from two revolutions on, by what each of them does alike.
+    """
+    return track.periods >= track.pole_pairs and (track.departure is None or _shows_turns(track))
+
+
+def _shows_turns(track: PhaseTrack) -> bool:
+    """Return whether there are revolutions enough to see what the angle repeats in each."""
+    return track.periods >= FEWEST_TURNS * track.pole_pairs
+
+
+def _of_counts(track: PhaseTrack, measured_rad: Floats) -> Turned | None:
+    """Return the phase of an angle in counts that a constant speed explains; None where it does not."""
+    if not track.resolution_rad > 0.0:
+        return None
+    rows = np.arange(track.samples, dtype=np.float64)
+    counted = line_through_counts(measured_rad, rows, _LESS_THAN_A_COUNT * track.resolution_rad)
+    if counted is None:
+        return None
+    source = "slopes that the counts of the angle allow"
+    # a speed that is not quite constant shows nowhere but where counts pass
+    standard = max(counted.standard * (track.samples - 1), _of_beats(track))
+    return Turned(counted.slope * (track.samples - 1), (Contribution(source, "B", standard),), source)
+
+
+def _of_beats(track: PhaseTrack) -> float:
+    per_row = 2.0 * math.pi * track.periods / (track.samples - 1) / track.resolution_rad
+    return of_slow_beats(track.resolution_rad, per_row, track.samples, track.residual_rad or 0.0)
+
+
+def _repeated(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Floats:
+    """Return what the angle does about the smooth phase in every revolution or period alike, shape (n,).
+
+    It is the rotor's or an error of its sensor, such as that of a resolver: each is as likely, and half of it
+    a standard deviation away from both. It tilts the smooth phase, by which turns are told: without that they
+    are told once more.
+    """
+    place = np.linspace(-1.0, 1.0, track.samples)
+    repeated_rad, tilt_rad = np.zeros(track.samples), 0.0
+    for _ in range(_PASSES):
+        steady_rad = smooth_rad + tilt_rad * place
+        turns, left_rad = (steady_rad - steady_rad[0]) / (2.0 * math.pi), measured_rad - steady_rad
+        of_revolution = repeated_in_turns(left_rad, turns / track.pole_pairs)
+        repeated_rad = of_revolution + repeated_in_turns(left_rad - of_revolution, turns)
+        tilt_rad = 3.0 * float(np.mean(place * (measured_rad - repeated_rad - smooth_rad)))
+    return repeated_rad
+
+
+def _by_course(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Turned:
+    """Return the phase by the course of the angle about the steady rise of the track, its smooth phase.
+
+    Of fewer than two revolutions that course may be an error of the sensor: then the slope of the rise errs
+    too, which is the sum of (t - mean t) times deviation over the sum of (t - mean t)^2.
+    """
+    left_rad = measured_rad - smooth_rad
+    parts = min(_BLOCKS, track.samples // _FEWEST_IN_BLOCK)
+    # equally long, from the first row to the last: a row more or less is where the course is another
+    last = track.samples - 1
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * (left_rad[1:] + left_rad[:-1]))])
+    edges = np.linspace(0.0, last, parts + 1)
+    means = np.diff(np.interp(edges, np.arange(track.samples), sums)) * (parts / last)
+    course = change_over_record(means)
+    source = "course of the angle about a steady rise"
+    budget = [Contribution(source, "A", course.standard, course.dof)]
+    if not _shows_turns(track):
+        place = (np.arange(parts) + 0.5) / parts - 0.5
+        scatter = error_of_series(place * means)
+        standard = _SLOPE * float(np.std(means))
+        if math.isfinite(scatter.standard):
+            standard = min(standard, scatter.standard * parts / float(place @ place))
+        dof = max(1.0, scatter.dof) if math.isfinite(scatter.dof) else 1.0
+        budget.append(Contribution("its slope, if it is that of the sensor", "A", standard, dof))
+    if track.resolution_rad > 0.0:
+        budget.append(Contribution("steps of the angle that beat with the rows", "B", _of_beats(track)))
+    return Turned(float(smooth_rad[-1] - smooth_rad[0]) + course.size, tuple(budget), source)
+
+
+def _by_ends(track: PhaseTrack, measured_rad: Floats, seen: Wander) -> Turned:
+    """Return the phase by the measured angle at both ends, of which the signal departs by what was `seen`.
+
+    At either end the angle's deviation from the smooth track by a parabola through an eighth of a period; a
+    cubic in its place estimates the error of the parabola. Steps of the angle that pass there scatter about
+    it, and are in its noise; what does not, as of steps that beat with the samples, is not.
+    """
+    size = max(_FEWEST_AT_END, round(track.samples / (8.0 * track.periods)))
+    values, random, left_out, steps2 = [], [], [], []
+    for rows in (slice(size), slice(track.samples - size, track.samples)):
+        numbers = np.arange(track.samples, dtype=np.float64)[rows]
+        left = measured_rad[rows] - np.asarray(track.phase(numbers))
+        edge = numbers[0] if rows.start is None else numbers[-1]
+        parabola, cubic = (Polynomial.fit(numbers, left, degree) for degree in (2, 3))
+        values.append(float(parabola(edge) + track.phase(edge)))
+        freedom = max(1, len(numbers) - 4)
+        noise = math.sqrt(float(np.sum((left - cubic(numbers)) ** 2)) / freedom)
+        # of the end of a parabola: nine times the variance of a mean
+        random.append(3.0 * noise / math.sqrt(len(numbers)))
+        left_out.append(float(cubic(edge) - parabola(edge)))
+        steps2.append(max(0.0, track.resolution_rad**2 / 12.0 - noise**2))
+    budget = (
+        Contribution("noise of the angle at both ends", "A", math.hypot(*random), 2.0 * size - 8.0),
+        Contribution("bend of the angle at both ends", "B", math.hypot(*left_out)),
+        Contribution("resolution of the angle", "B", math.sqrt(sum(steps2))),
+        # what the signal does not do with the angle may be an error of the angle, at each end another
+        Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad),
+    )
+    return Turned(values[1] - values[0], budget, "noise, bend and resolution of the angle at both ends")

@@ -1,0 +1,220 @@
+"""The noise floor of a current whose amplitude or phase changes over few periods, or in more than one way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import signal
+
+from benchtool.analysis import CoherentSamples, noise_floor
+from benchtool.analysis.coherent.spectrum import spectrum_of
+from benchtool.analysis.noise.noise import NoiseFloor
+from benchtool.analysis.noise.noise_of_periods import without_changes
+
+_PER_PERIOD, _NOISE, _POLE = 48, 1e-3, 0.6
+Floats = NDArray[np.float64]
+
+
+def _floors(wave: Floats, periods: int, step: float = 0.0) -> tuple[NoiseFloor, NoiseFloor | None]:
+    """Return the plain floor of a wave of so many periods, read in steps, and that without changes."""
+    samples = CoherentSamples(wave, periods, float(len(wave)), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum)
+    assert plain is not None
+    return plain, without_changes(plain, spectrum, samples, has_stepped=False, step=step)
+
+
+def _relative(
+    periods: int, size: Floats, seed: int, *, turned_rad: Floats | float = 0.0
+) -> tuple[float, float, float]:
+    """Return the plain floor and that without changes over the noise, and the error of the latter over its
+    uncertainty; `size` and `turned_rad` are the courses of amplitude and phase, shape (n,)."""
+    at = 2 * np.pi * np.arange(periods * _PER_PERIOD) / _PER_PERIOD + turned_rad
+    wave = size * (np.cos(at + 0.4) + 0.03 * np.cos(5 * at))
+    wave += _NOISE * np.random.default_rng(seed).standard_normal(len(at))
+    plain, found = _floors(wave, periods)
+    assert found is not None
+    truth = 2.0 * _NOISE / np.sqrt(len(at))
+    error = (found.amplitude - truth) / (found.relative_error * found.amplitude)
+    return plain.amplitude / truth, found.amplitude / truth, error
+
+
+@pytest.mark.parametrize(
+    ("periods", "course"),
+    [(4, "ramp"), (9, "ramp"), (9, "step"), (9, "swing and ramp"), (40, "ramp"), (40, "swing and ramp")],
+)
+def test_a_change_of_the_amplitude_is_no_noise(periods: int, course: str) -> None:
+    place = np.linspace(-0.5, 0.5, periods * _PER_PERIOD)
+    size = 1.0 + 0.08 * place
+    if course == "step":
+        size = np.where(place < 0.13, 1.0, 1.04)
+    elif course == "swing and ramp":
+        size = size + 0.005 * np.cos(2 * np.pi * 1.3 * place)
+    plain, found, error = np.transpose([_relative(periods, size, seed) for seed in range(30)])
+    assert np.median(plain) > 1.5
+    assert np.mean(found) == pytest.approx(1.0, abs=0.06)
+    assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
+
+
+@pytest.mark.parametrize("periods", [5, 9, 40])
+def test_a_phase_that_slips_is_no_noise(periods: int) -> None:
+    rows = periods * _PER_PERIOD
+    slipped_rad = np.linspace(-0.03, 0.03, rows)
+    plain, found, error = np.transpose(
+        [_relative(periods, np.ones(rows), seed, turned_rad=slipped_rad) for seed in range(30)]
+    )
+    assert np.median(plain) > 1.5
+    assert np.mean(found) == pytest.approx(1.0, abs=0.06)
+    assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
+
+
+@pytest.mark.parametrize("per_period", [3, 4, 5, 7])
+def test_a_period_of_few_samples_has_no_orders_to_tell_changes_by(per_period: int) -> None:
+    at = 2 * np.pi * np.arange(60 * per_period) / per_period
+    wave = np.linspace(0.5, 1.5, len(at)) * np.cos(at)
+    samples = CoherentSamples(wave, 60, float(len(at)), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum)
+    assert without_changes(plain, spectrum, samples, has_stepped=True) == plain
+
+
+def test_the_floor_of_a_steady_amplitude_stays_as_it_is() -> None:
+    pairs = [_relative(20, np.ones(20 * _PER_PERIOD), seed)[:2] for seed in range(40)]
+    assert sum(plain == found for plain, found in pairs) >= 38
+
+
+def test_noise_of_the_amplitude_is_noise() -> None:
+    """Its sidebands are in phase, as those of a ramp are, and it differs from period to period."""
+    at = 2 * np.pi * np.arange(80 * _PER_PERIOD) / _PER_PERIOD
+    noise = [0.02 * np.random.default_rng(seed).standard_normal(len(at)) for seed in range(20)]
+    floors = [_floors((1.0 + each) * np.cos(at), 80) for each in noise]
+    assert sum(found == plain for plain, found in floors) >= 14
+
+
+@pytest.mark.parametrize(("errors", "stays"), [(1.5, True), (3.0, False)])
+def test_a_floor_that_errors_of_readings_may_be_all_of_stays(errors: float, stays: bool) -> None:
+    """The root of the mean square of a bin that white errors of a step give is step / sqrt(3 n)."""
+    place = (np.arange(20 * _PER_PERIOD) + 0.5) / (20 * _PER_PERIOD)
+    wave = (1.0 + 0.1 * place) * np.cos(40 * np.pi * place)
+    wave += _NOISE * np.random.default_rng(1).standard_normal(len(place))
+    plain, found = _floors(wave, 20)
+    assert found is not None
+    assert found.amplitude < 0.8 * plain.amplitude
+    step = plain.amplitude / errors * np.sqrt(3.0 * len(place))
+    assert (_floors(wave, 20, step)[1] == plain) is stays
+
+
+def test_the_noise_below_the_first_order_is_as_that_of_the_lowest_orders() -> None:
+    """Of noise that most of is there, orders from 1 on alone would tell too little."""
+    floors = []
+    for seed in range(40):
+        place = (np.arange(60 * _PER_PERIOD) + 0.5) / (60 * _PER_PERIOD)
+        wave = (1.0 + 0.5 * place) * np.cos(120 * np.pi * place) + _coloured(len(place), _POLE, seed)
+        if found := _floors(wave, 60)[1]:  # in few records it looks like bursts
+            floors.append((found.amplitude, 2.0 * found.of_bins, np.sqrt(2.0 / found.dof)))
+    assert len(floors) >= 30
+    amplitude, relative, of_dof = np.transpose(floors)
+    bins = np.arange(1, len(spectrum_of(CoherentSamples(wave, 60, float(len(place)), 10e3)).amplitude))
+    bins = bins[(bins % 60 > 1) & (bins % 60 < 59)]
+    power = 4.0 * _NOISE**2 / np.abs(1.0 - _POLE * np.exp(-2j * np.pi * bins / len(place))) ** 2 / len(place)
+    assert np.mean(amplitude**2) == pytest.approx(np.mean(power), rel=0.05)
+    assert relative == pytest.approx(of_dof, rel=0.05)  # as of a power that has so many
+
+
+def test_noise_whose_level_changes_tells_less_than_noise_of_one_level() -> None:
+    error = []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        place = (np.arange(40 * _PER_PERIOD) + 0.5) / (40 * _PER_PERIOD)
+        level = np.exp(0.2 * random.standard_normal(40))
+        noise = _NOISE * np.repeat(level, _PER_PERIOD) * random.standard_normal(len(place))
+        found = _floors((1.0 + 0.3 * place) * np.cos(80 * np.pi * place) + noise, 40)[1]
+        if found is not None:
+            truth = 2.0 * np.sqrt(np.mean(noise**2) / len(place))
+            error.append((found.amplitude - truth) / (found.of_bins * found.amplitude))
+    assert len(error) >= 15
+    assert float(np.sqrt(np.mean(np.square(error)))) < 1.4
+
+
+def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | None]:
+    found = []
+    for seed in range(seeds):
+        place = (np.arange(periods * _PER_PERIOD) + 0.5) / (periods * _PER_PERIOD)
+        size = np.where(place < at, 1.0, 1.05)
+        wave = size * np.cos(2 * np.pi * periods * place + 0.4)
+        wave += _NOISE * np.random.default_rng(seed).standard_normal(len(place))
+        found.append(_floors(wave, periods)[1])
+    return found
+
+
+def test_a_step_in_all_differences_of_few_periods_leaves_no_floor() -> None:
+    """Of three second differences of five periods all have a part of a step in the third."""
+    assert sum(each is None for each in _floors_of_steps(5, 12, 0.49)) >= 11
+
+
+def test_the_power_of_many_periods_is_not_that_of_all_but_the_largest() -> None:
+    """Against the least of a hundred differences one in ten or twenty is more than chance allows."""
+    floors = _floors_of_steps(120, 12, 0.531)
+    truth = 2.0 * _NOISE / np.sqrt(120 * _PER_PERIOD)
+    error = [each.amplitude / truth - 1.0 for each in floors if each is not None]
+    assert len(error) == 12
+    assert abs(float(np.mean(error))) < 0.005
+
+
+def _coloured(rows: int, pole: float, seed: int) -> Floats:
+    noise = np.random.default_rng(seed).standard_normal(rows + 2_000)
+    return np.asarray(signal.lfilter([_NOISE], [1.0, -pole], noise)[2_000:])
+
+
+def _floor_of_coloured(
+    pole: float, seed: int, *, follows: bool, per_period: int = 100
+) -> tuple[float, float]:
+    """Return the floor of 64 periods over the noise, and its error over its uncertainty; of a phase that
+    follows all that moves the fundamental more slowly than a sixth of its frequency."""
+    rows = 64 * per_period
+    at = 2 * np.pi * np.arange(rows) / per_period
+    noise = _coloured(rows, pole, seed)
+    if follows:
+        bins = np.fft.fft(noise * np.exp(-1j * at))
+        slow = np.abs(np.fft.fftfreq(rows)) * rows < 10.5
+        course = np.fft.ifft(np.where(slow, bins, 0.0))
+        noise -= 2.0 * np.real(1j * np.imag(course) * np.exp(1j * at))  # of which the course in quadrature is
+    samples = CoherentSamples(np.cos(at) + noise, 64, float(rows), 10e3)
+    spectrum = spectrum_of(samples)
+    plain = noise_floor(spectrum, has_moved=follows, follows_signal=follows)
+    found = without_changes(plain, spectrum, samples, has_stepped=False, follows_signal=follows)
+    assert found is not None
+    place = np.arange(len(spectrum.amplitude))
+    between = place[(place % 64 > 1) & (place % 64 < 63)]
+    density = 4.0 * _NOISE**2 / np.abs(1.0 - pole * np.exp(-2j * np.pi * between / rows)) ** 2 / rows
+    truth = float(np.sqrt(np.mean(density)))
+    return found.amplitude / truth, (found.amplitude - truth) / (found.relative_error * found.amplitude)
+
+
+@pytest.mark.parametrize("follows", [False, True])
+def test_the_noise_that_a_phase_took_along_counts(follows: bool) -> None:
+    """Without it the floor were 4 % low, and with all that the phase may have left, u half of it."""
+    floor, error = np.transpose([_floor_of_coloured(0.95, seed, follows=follows) for seed in range(40)])
+    assert np.mean(floor) == pytest.approx(1.0, abs=0.013)
+    assert 0.6 < float(np.sqrt(np.mean(error**2))) < 1.4
+
+
+def test_a_step_is_seen_in_few_periods_of_noise() -> None:
+    """Of the powers of its differences the low orders have most, as few orders alike would."""
+    errors = []
+    for each in _floors_of_steps(8, 30, 0.531):
+        assert each is not None
+        truth = 2.0 * _NOISE / np.sqrt(8 * _PER_PERIOD)
+        assert each.amplitude == pytest.approx(truth, rel=0.2)
+        errors.append((each.amplitude - truth) / (each.relative_error * each.amplitude))
+    assert float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+@pytest.mark.parametrize("phase_rad", [0.0, 0.7, 2.2])
+def test_one_difference_of_three_periods_tells_no_step_from_noise(phase_rad: float) -> None:
+    """A step near the end of a period has orders of about one size in it."""
+    place = (np.arange(3 * _PER_PERIOD) + 0.5) / (3 * _PER_PERIOD)
+    wave = np.where(place < 0.66, 1.0, 1.056) * np.cos(6 * np.pi * place + phase_rad)
+    wave += _NOISE * np.random.default_rng(3).standard_normal(len(place))
+    assert _floors(wave, 3)[1] is None

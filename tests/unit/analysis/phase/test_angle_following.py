@@ -1,0 +1,74 @@
+"""What an angle does in every electrical period: of the rotor, or of its sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis.coherent.spectrum import spectrum_of
+from benchtool.analysis.periods import track_angle
+from benchtool.analysis.phase.angle_following import within_periods
+from benchtool.analysis.phase.phase_following import follow
+from tests.at_length import at_length
+
+Array = NDArray[np.float64]
+RATE_HZ, SAMPLES = 10_000.0, 20_000
+T = np.arange(SAMPLES) / RATE_HZ
+STEADY = 2.0 * np.pi * 38.3 * T + 0.7
+
+
+def current_of(phase: Array, fifth: float = 0.04) -> Array:
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(len(phase))
+    return np.asarray(np.cos(phase) + fifth * np.cos(5.0 * phase + 1.0) + noise)
+
+
+def amplitudes(samples: Array, angle: Array) -> tuple[Array, Array]:
+    coherent, _, seen = follow(samples, RATE_HZ, track_angle(angle, 1))
+    spectrum = spectrum_of(coherent)
+    return spectrum.amplitude[:: spectrum.periods], seen.of_angle
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize(("is_of_rotor", "within"), [(False, 1e-4), (True, 6e-4)])
+def test_a_rotor_that_swings_in_every_period_is_followed_and_the_error_of_a_resolver_is_not(
+    order: int, *, is_of_rotor: bool, within: float
+) -> None:
+    angle = STEADY + 0.01 * np.sin(order * STEADY + 0.3)
+    found, doubt = amplitudes(current_of(angle if is_of_rotor else STEADY), angle)
+    assert found[[1, 2, 3, 5, 6]] == pytest.approx([1.0, 0.0, 0.0, 0.04, 0.0], abs=within)
+    assert len(doubt) == 0
+
+
+def test_the_share_is_one_or_none_beyond_the_harmonics_of_the_current() -> None:
+    change = np.array([0.0, 0.01, 0.02j, 0.005], dtype=np.complex128)
+    own = np.array([1.0, 1e-4, 1e-4j, 0.1], dtype=np.complex128)
+    assert within_periods(own + change, own).are_of_rotor
+    assert not within_periods(own, own - change).are_of_rotor
+    assert len(within_periods(own, own).standard) == 0
+    hidden = np.array([1.0, 0.1, 0.1j, 0.1], dtype=np.complex128)
+    found = within_periods(hidden + 0.02, hidden)
+    assert found.standard == pytest.approx(np.abs(np.abs(hidden + 0.02) - np.abs(hidden)) / np.sqrt(2.0))
+
+
+def test_the_frequency_does_not_take_the_part_of_a_period_that_is_left_over_for_speed() -> None:
+    phase = 2.0 * np.pi * 38.3 * (T + 0.01 * T**2)
+    track = track_angle(phase + 0.01 * np.sin(phase + 0.4), 1)
+    assert 2.0 * np.pi * track.periods == pytest.approx(phase[-1] - phase[0], abs=5e-6)
+    assert track.residual_rad == pytest.approx(0.01 / np.sqrt(2.0), rel=0.02)
+
+
+def test_a_slip_does_not_hide_that_a_wobble_is_the_encoders() -> None:
+    # once in four periods, which no harmonic tells, and far less than what the slip does to the phase
+    angle = 1.0004 * STEADY + 0.016 * np.sin(0.25 * STEADY + 0.3)
+    found, doubt = amplitudes(current_of(STEADY), angle)
+    assert found[[1, 5]] == pytest.approx([1.0, 0.04], abs=1e-4)
+    assert len(doubt) == 0 or float(np.max(doubt)) < 1e-5
+
+
+@pytest.mark.parametrize("begin", [0.1, 2.6, *at_length(1.3, 4.1)])
+def test_the_error_of_a_resolver_is_not_followed_where_the_rotor_swings_slowly_as_well(begin: float) -> None:
+    """What a track by sixteenths of a period follows better is that swing, and not what it adds within."""
+    phase = STEADY + 0.36 * np.sin(2.0 * np.pi * 0.7 * T + begin)
+    found, _ = amplitudes(current_of(phase), phase + 7e-3 * np.sin(phase + 0.3))
+    assert found[[1, 2, 3, 5]] == pytest.approx([1.0, 0.0, 0.0, 0.04], abs=2e-4)

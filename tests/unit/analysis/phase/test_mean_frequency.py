@@ -1,0 +1,75 @@
+"""Mean frequency by an angle in counts and by the signal at once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis.phase.turned_phase import Turned
+from benchtool.analysis.uncertainty import Contribution
+from benchtool.block import Block
+
+RATE_HZ, COUNTS, POLE_PAIRS = 10_000.0, 1000, 4
+
+
+def test_counts_that_repeat_all_over_the_record_leave_the_frequency_to_the_signal() -> None:
+    # half a count a row but for a hundred thousandth: two places of a count are all that the rows see
+    random, ratios = np.random.default_rng(81), []
+    for _ in range(20):
+        f_Hz = 20.0 * (1.0 + 1e-5 * random.standard_normal())
+        theta = 2 * np.pi * (f_Hz * np.arange(10_000) / RATE_HZ + random.uniform())
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
+        count = 2 * np.pi / COUNTS
+        angle = np.floor(np.mod(theta / POLE_PAIRS, 2 * np.pi) / count) * count
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < 1e-4  # Hz; the counts alone tell 1.5e-3
+        ratios.append((found.value - f_Hz) / found.uncertainty.standard)
+    assert 0.7 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
+
+
+def test_an_encoder_that_errs_once_a_revolution_does_not_hide_the_phase_of_the_signal() -> None:
+    random, ratios = np.random.default_rng(82), []
+    place = np.arange(12_000) / 12_000
+    for _ in range(8):
+        turns = 70.3 * (place + 0.01 * (place**2 - place)) + random.uniform()
+        theta = 2 * np.pi * turns
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 1e-3 * random.standard_normal(len(theta))
+        read = theta / POLE_PAIRS + 1e-3 * np.sin(theta / POLE_PAIRS + random.uniform(0, 2 * np.pi))
+        count = 2 * np.pi / 4096
+        angle = np.floor(np.mod(read, 2 * np.pi) / count) * count
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+        true_Hz = float(turns[-1] - turns[0]) / (len(turns) - 1) * RATE_HZ
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < 1e-4  # Hz; half of what the encoder errs is some 3e-4
+        ratios.append((found.value - true_Hz) / found.uncertainty.standard)
+    assert 0.5 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.5
+
+
+@pytest.mark.parametrize(("apart", "value", "standard"), [(1.0, 0.9, math.sqrt(0.9)), (20.0, 0.0, 3.0)])
+def test_phases_that_agree_are_weighted_by_their_variances(
+    apart: float, value: float, standard: float
+) -> None:
+    one, other = (
+        Turned(phase, (Contribution(name, "B", size),), name)
+        for phase, name, size in ((0.0, "counts", 3.0), (apart, "signal", 1.0))
+    )
+    both = one.with_other(other)
+    assert (both.phase_rad, both.standard) == pytest.approx((value, standard))
+
+
+@pytest.mark.parametrize("lines", [1000, 4096, 16_384])
+@pytest.mark.parametrize("swing", [0.0, 0.02])
+def test_an_encoder_that_is_wrapped_by_a_computation_counts_in_its_steps(lines: int, swing: float) -> None:
+    """Its levels differ from turn to turn by rounding, of which any difference is a whole multiple."""
+    random, step = np.random.default_rng(83), 2 * np.pi / lines
+    for _ in range(5):
+        speed = random.uniform(8.0, 20.0) * (1.0 + swing * random.standard_normal(10_000))
+        angle = random.uniform(0.0, 2 * np.pi) + np.cumsum(2 * np.pi * speed / RATE_HZ)
+        read = np.floor(angle / step) * step % (2 * np.pi)
+        assert track_angle(read, POLE_PAIRS).resolution_rad == pytest.approx(POLE_PAIRS * step, rel=1e-6)
