@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from benchmarks.coverage.families import OF_THE_ENSEMBLE
@@ -30,7 +31,10 @@ from benchmarks.coverage.steady_records import (
 )
 from benchtool.analysis import CoherentSpectrum, percentile_range
 
+Floats = NDArray[np.float64]
+
 _NO_POWER = 1e-5
+_HIGHEST_GROUP, _TOLD = 50, 0.45  # of the rate, up to which a spectrum is told
 
 
 def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
@@ -49,9 +53,10 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
     }
     if is_clean(what) and what.noise <= _NO_POWER:  # what is between harmonics is nothing
         truths["current_thd_f_subgroups"] = truths["current_thd_f_groups"] = thd
-    if what.alternates:  # which is in the groups of the record's own phases
+    has_density = what.kind in UNCORRELATED
+    if what.alternates and has_density:  # which is in the groups of the record's own phases
         truths["current_thd_f_groups"] = _groups_of_two(what, made)
-    if what.amplitude_noise[0] and not what.lines:  # likewise
+    if what.amplitude_noise[0] and has_density and not what.lines:  # likewise
         truths["current_thd_f_groups"] = _groups_of_steps(what, made)
     has_regimes = abs(what.second_regime - 1.0) > 0.1  # whose difference hides the harmonics too
     if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
@@ -128,9 +133,10 @@ def _groups_of_two(what: Disturbance, made: Record) -> float:
     for order, amplitude in what.harmonics.items():
         wave += amplitude * np.cos(order * theta + made.phases_rad[order])
     wave *= np.where(np.arange(points) < points // 2, 1.0 + what.alternates, 1.0 - what.alternates)
-    square = 2.0 * np.abs(np.fft.rfft(wave)[:104] / points) ** 2
-    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / RATE_HZ  # of the ten bins of a group
-    groups = square[2:102:2] + 0.5 * (square[1:101:2] + square[3:103:2]) + noise2
+    last = _last_group(what)
+    square = 2.0 * np.abs(np.fft.rfft(wave)[: 2 * last + 2] / points) ** 2
+    noise2 = _noise2_per_order(what, np.arange(1.0, last + 1.0))
+    groups = square[2::2] + 0.5 * (square[1:-1:2] + square[3::2]) + noise2
     return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
 
 
@@ -140,7 +146,7 @@ def _groups_of_steps(what: Disturbance, made: Record) -> float:
     How far the sidebands of the fundamental are in the group of order 2 depends on its phase where the
     amplitude steps, which is the same in all of a record.
     """
-    periods, points, last = 10, 512, 50
+    periods, points, last = 10, 512, _last_group(what)
     rms, memory = what.amplitude_noise
     theta = made.theta_e[0] + 2 * np.pi * np.arange(points) / points
     wave = np.cos(theta)
@@ -152,19 +158,34 @@ def _groups_of_steps(what: Disturbance, made: Record) -> float:
     shares = (periods - np.abs(lags)) * (float(memory) ** np.abs(lags))
     steps = rms**2 * np.real(np.exp(-2j * np.pi * np.outer(bins / periods, lags)) @ shares)
     square = np.abs(turned @ wave) ** 2 * (np.where(bins % periods, 0.0, periods**2) + steps)
-    noise2 = 2.0 * what.noise**2 * what.frequency_Hz / (periods * RATE_HZ)
+    noise2 = _noise2_per_order(what, bins / periods) / periods
     square = 2.0 * square / (periods * points) ** 2 + noise2
     at = periods * np.arange(1, last + 1)
     groups = sum(square[at + k] for k in range(-4, 5)) + 0.5 * (square[at - 5] + square[at + 5])
     return 100.0 * math.sqrt(float(np.sum(groups[1:]) / groups[0]))
 
 
+def _last_group(what: Disturbance) -> int:
+    """Return the order of the last group, up to whose end the rate tells."""
+    return min(_HIGHEST_GROUP, math.floor(_TOLD * RATE_HZ / what.frequency_Hz - 1.0))
+
+
+def _noise2_per_order(what: Disturbance, orders: Floats) -> Floats:
+    """Return the mean square of the noise between two orders, about these, relative to the amplitude's."""
+    omega = 2.0 * np.pi * orders * what.frequency_Hz / RATE_HZ
+    return 2.0 * what.noise**2 * what.frequency_Hz / RATE_HZ * _density(what.colour, omega)
+
+
+def _density(pole: float, omega: Floats) -> Floats:
+    """Return the density at angles per sample, over that of white noise of equal rms."""
+    return np.asarray((1.0 - pole**2) / np.abs(1.0 - pole * np.exp(-1j * omega)) ** 2)
+
+
 def _share_between(pole: float, spectrum: CoherentSpectrum) -> float:
     """Return the root of the mean density in the bins between the harmonics, over that of white noise of
     equal rms."""
-    bins = np.arange(len(spectrum.amplitude))
+    bins = np.arange(len(spectrum.amplitude), dtype=np.float64)
     place = bins % spectrum.periods
     guard = 2 if spectrum.periods >= 4 else 1
     omega = 2 * np.pi * bins[(place >= guard) & (place <= spectrum.periods - guard)] / spectrum.samples
-    density = (1.0 - pole**2) / np.abs(1.0 - pole * np.exp(-1j * omega)) ** 2
-    return math.sqrt(float(np.mean(density)))
+    return math.sqrt(float(np.mean(_density(pole, omega))))

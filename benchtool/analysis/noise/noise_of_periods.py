@@ -34,17 +34,22 @@ _BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
 _MANY_PERIODS = 32  # in which a phase moves so slowly that differences hardly show what is left of it
 _PARTLY = 0.25  # of the distance between two levels
 _HARDLY = 100.0  # exponent of a probability of zero
+_GUARD = 2  # bins beside a line, or dc, from where on they count
+_IMAGE = 0.2  # of sidebands of a ramp, those of its image at the negative frequency, in quadrature to it
+_ONE_LINE_IN = 10  # pairs of sidebands, in which a phase that swings may be
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
 @dataclass(frozen=True)
 class _Differences:
     """Mean square of a bin by the second differences of successive periods, its relative variance, and how
-    many of them were left out of how many; `from_first` is that of the bins from order 1 on, `with_bursts`
-    that of all differences."""
+    many of them were left out of how many; `from_first` is that of the bins from order 1 on, `below` that of
+    the lowest orders, which those below order 1 are taken to have, `with_bursts` that of all differences.
+    """
 
     power: float
     from_first: float
+    below: float
     with_bursts: float
     variance: float
     left_out: int
@@ -74,9 +79,9 @@ def without_changes(
     one than of the other, the floor is by the second differences of successive periods if these have less.
     Neither a harmonic nor a ramp is in them; a step is in three, which are left out where they have more, and
     what bends otherwise shows in the fundamental first. What is below order 1 these differences do not show:
-    it is taken to be as at the lowest orders. Of an amplitude that `has_stepped` the step was divided out,
-    but for what it leaves in the period that it is in. There is none where too few differences tell it, or
-    more of them have more than a step would leave.
+    it is as at the lowest orders, unless sidebands of the fundamental have more. Of an amplitude that
+    `has_stepped` the step was divided out, but for what it leaves in the period that it is in. There is none
+    where too few differences tell it, or more of them have more than a step would leave.
 
     Where they do not have less, they tell how probable it is that a phase that follows the signal over many
     periods has left something; the counts of an angle leave fast errors.
@@ -106,14 +111,42 @@ def without_changes(
         return floor
     if found.has_bursts or found.variance > _MOST_VARIANCE:
         return None
+    power, variance = found.power, found.variance
+    if not has_stepped:  # of a step something is left beside the fundamental in any phase
+        power, variance = _with_lowest(found, spectrum, samples.usable_order)
     return replace(
         floor,
-        highest=math.sqrt(found.power),
-        of_bins=relative_to_found(math.sqrt(found.variance)),
+        highest=math.sqrt(power),
+        of_bins=relative_to_found(math.sqrt(variance)),
         least=1.0,
-        dof=2.0 / found.variance,
+        dof=2.0 / variance,
         over_time=ONE_LEVEL,
     )
+
+
+def _with_lowest(found: _Differences, spectrum: CoherentSpectrum, orders: float) -> tuple[float, float]:
+    """Return the power of differences over so many orders, and its relative variance, with what the noise
+    below order 1 has more than at the lowest orders, if it is clearly more.
+
+    It shows in the sidebands of the fundamental, in phase with it or in quadrature to it, whichever of both
+    has less of what changes: they have the mean of both sides, of the orders from 0 to 2.
+    """
+    known = found.power, found.variance
+    reach = spectrum.periods - _GUARD
+    if reach <= _GUARD:
+        return known
+    pairs = sidebands(spectrum.phasor, spectrum.periods, reach)
+    pair, moved = sorted((each[_GUARD - 1 :] for each in pairs), key=lambda each: float(np.sum(each)))
+    but_lines = np.sort(moved)[: len(moved) - len(moved) // _ONE_LINE_IN]
+    if float(np.sum(pair)) < _IMAGE * float(np.sum(but_lines)):
+        return known
+    both = 0.5 * float(np.mean(pair))
+    alike = float(np.sum(pair)) ** 2 / float(pair @ pair)
+    if not _is_more(both, found.below, 2.0 * alike, _ALIKE):
+        return known
+    power = found.power + 2.0 * (both - found.below) / orders
+    of_both = (2.0 * both / orders) ** 2 / alike
+    return power, (found.variance * found.power**2 + of_both) / power**2
 
 
 def _all_noise(least: float, ratio: float, standard: float) -> float:
@@ -156,7 +189,7 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     if power > 0.0:
         variance += (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
     left_out = len(of_each) - len(kept)
-    return _Differences(power, from_first, float(np.mean(of_each)), variance, left_out, len(of_each))
+    return _Differences(power, from_first, below, float(np.mean(of_each)), variance, left_out, len(of_each))
 
 
 def _alike(square: NDArray[np.float64]) -> float:

@@ -27,7 +27,8 @@ FEWEST_WINDOWS = 3
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _BY_CHANCE, _RARELY = 0.1, 0.02
-_BEGINS = 5  # as many tell what goes with the phase, and with twice that
+_BEGINS = 8  # as many tell what goes with the phase, and with twice that, over a few periods
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples, less whole ones, are evenly spread however many
 _BATCH = 1 << 18  # samples transformed at a time
 
 
@@ -178,17 +179,20 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
 
 
 def scatter_of_begins(coherent: CoherentSamples, highest_harmonic: int) -> Mapping[Kind, float]:
-    """Return the standard deviation of THDG and THDS over where in a period the windows begin; 0 where none
-    is left that may begin elsewhere.
+    """Return the standard deviation of THDG and THDS over where in a period, and in which of those that are
+    left over, the windows begin; 0 where none is left that may begin elsewhere.
 
-    What is not the same at both ends of a window leaks, by the phase of the current there, which is the same
-    in all windows of a record: their scatter does not show it.
+    What is not the same at both ends of a window leaks, by the phase there of the current, or of a line
+    between the harmonics against them. It is the same in all windows of a record, or turns by as much from
+    one to the next: their scatter does not show it.
     """
     periods = min(PERIODS_PER_WINDOW, coherent.periods)
     windows = (coherent.periods - 1) // periods
+    spare = coherent.periods - windows * periods
     found: dict[Kind, list[float]] = {"group": [], "subgroup": []}
     for number in range(_BEGINS if windows else 0):
-        begin = round(number * coherent.per_period / _BEGINS)
+        later = math.floor(spare * (number * _GOLDEN % 1.0))  # periods
+        begin = round((later + number / _BEGINS) * coherent.per_period)
         part = replace(
             coherent,
             values=coherent.values[begin : begin + windows * periods * coherent.per_period],

@@ -13,6 +13,7 @@ from benchtool.analysis.noise.noise import NoiseFloor
 from benchtool.analysis.noise.noise_of_periods import without_changes
 
 _PER_PERIOD, _NOISE, _POLE = 48, 1e-3, 0.6
+_WOBBLE_RAD = 2e-2
 Floats = NDArray[np.float64]
 
 
@@ -120,6 +121,25 @@ def test_the_noise_below_the_first_order_is_as_that_of_the_lowest_orders() -> No
     power = 4.0 * _NOISE**2 / np.abs(1.0 - _POLE * np.exp(-2j * np.pi * bins / len(place))) ** 2 / len(place)
     assert np.mean(amplitude**2) == pytest.approx(np.mean(power), rel=0.05)
     assert relative == pytest.approx(of_dof, rel=0.05)  # as of a power that has so many
+
+
+def test_noise_that_lies_below_the_first_order_shows_beside_the_fundamental() -> None:
+    """Differences of periods have none of it, and the wobble of the phase keeps the spectrum from telling."""
+    pole, rows, error, plain = 0.98, 60 * _PER_PERIOD, [], []
+    bins = np.arange(1, rows // 2)
+    bins = bins[(bins % 60 > 1) & (bins % 60 < 59)]
+    density = 4.0 * _NOISE**2 / np.abs(1.0 - pole * np.exp(-2j * np.pi * bins / rows)) ** 2 / rows
+    truth = np.sqrt(np.mean(density))
+    for seed in range(40):
+        turns = np.arange(rows) / _PER_PERIOD
+        wave = np.cos(2 * np.pi * turns + _WOBBLE_RAD * np.cos(0.5 * np.pi * turns + seed))
+        floor, found = _floors(wave + _coloured(rows, pole, seed), 60)
+        if found is not None and found.highest != floor.highest:
+            error.append((found.amplitude / truth - 1.0) / found.of_bins)
+            plain.append(found.amplitude / truth)
+    assert len(error) >= 20
+    assert np.mean(plain) == pytest.approx(1.0, abs=0.15)
+    assert 0.6 < float(np.sqrt(np.mean(np.square(error)))) < 1.4
 
 
 def test_noise_whose_level_changes_tells_less_than_noise_of_one_level() -> None:

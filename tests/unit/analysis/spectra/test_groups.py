@@ -227,3 +227,16 @@ def test_where_windows_begin_matters_where_the_current_is_another_at_both_ends()
         ratios.append(group_distortion(groups, "group").ratio)
     assert moving["group"] == pytest.approx(np.std(ratios), rel=0.1)
     assert scatter_of_begins(samples_of(wave[:2000], 10), 50) == {"group": 0.0, "subgroup": 0.0}
+
+
+def test_in_which_period_windows_begin_matters_where_a_line_is_beside_a_harmonic() -> None:
+    """Against the fifth it turns by less than a quarter within a period, and by all within five."""
+    turns = np.arange(45 * 200) / 200
+    wave = np.cos(2 * np.pi * turns) + 0.05 * np.cos(10 * np.pi * turns)
+    ratios, told = [], []
+    for phase in np.linspace(0.0, 2 * np.pi, 12, endpoint=False):
+        line = 0.01 * np.cos(2 * np.pi * 4.79 * turns + phase)
+        ratios.append(group_distortion(groups_of(wave[:8000] + line[:8000], 40), "group").ratio)
+        told.append(scatter_of_begins(samples_of(wave + line, 45), 50)["group"])
+    assert np.min(told) > 0.5 * np.std(ratios)
+    assert np.mean(told) == pytest.approx(np.std(ratios), rel=0.3)
