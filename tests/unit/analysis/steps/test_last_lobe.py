@@ -61,3 +61,30 @@ def test_a_course_without_lobes_has_no_other() -> None:
     found = last_passage(away, 0.0, BAND)
     assert found is not None
     assert rms_beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
+
+
+@pytest.mark.parametrize("draws", [(-0.16, 0.0), (-0.1, 0.3)])
+def test_entries_in_another_lobe_count_by_their_distance(draws: tuple[float, float]) -> None:
+    """The noise of both is sqrt(2) times that of a draw, and the band is wider by what it lifts the lobe."""
+    rows = np.arange(41.0)
+    away = np.interp(rows, (0.0, 10.0, 15.0, 20.0, 40.0), (-3.0, 0.0, 1.2, 0.0, 0.0))
+    lobe = np.where(rows > 10.0, away, 0.0) / 1.2
+    found = last_passage(away, 0.0, 1.0)
+    assert found is not None
+    lift = max(0.0, float(np.mean(draws)))
+    wider = last_passage(away + np.sqrt(2.0) * draws[0] * lobe, 0.0, 1.0 + (1.0 + np.sqrt(2.0)) * lift)
+    assert wider is not None
+    assert wider.place < 10.0 < found.place
+    told = rms_beyond_lobes(away, np.outer(draws, lobe), 1.0, found.place)
+    assert told == pytest.approx((found.place - wider.place) / np.sqrt(2.0), rel=1e-9)
+
+
+def test_a_trough_within_what_noise_does_parts_no_lobes() -> None:
+    """Down to 0.8 of the band, by noise of a tenth or a fifth of it."""
+    rows = np.arange(41.0)
+    away = np.interp(rows, (0.0, 10.0, 15.0, 20.0, 40.0), (3.0, 0.8, 1.05, 0.0, 0.0))
+    found = last_passage(away, 0.0, 1.0)
+    assert found is not None
+    for rms, parts in ((0.09, True), (0.15, False)):
+        drawn = np.outer((-rms, rms), np.ones(41))
+        assert (rms_beyond_lobes(away, drawn, 1.0, found.place) > 0.0) is parts
