@@ -17,6 +17,7 @@ import argparse
 import json
 import math
 import time
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from functools import partial
@@ -31,14 +32,10 @@ REPETITIONS = 12
 _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
-def score_family(name: str, repetitions: int, seed: int = 0) -> list[Score]:
-    """Return the scores of one family by its name."""
-    return list(scores(FAMILIES[name], repetitions, seed))
-
-
-def score_drawn(number: int, repetitions: int, seed: int = 0) -> list[Score]:
-    """Return the scores of one drawn family by its number."""
-    return list(scores(drawn_family(number, seed), repetitions, seed))
+def score_family(which: str | int, repetitions: int, seed: int = 0) -> list[Score]:
+    """Return the scores of one family by its name, or of a drawn one by its number."""
+    family = drawn_family(which, seed) if isinstance(which, int) else FAMILIES[which]
+    return list(scores(family, repetitions, seed))
 
 
 def main() -> int:
@@ -55,26 +52,21 @@ def main() -> int:
     parser.add_argument("--narrow", action="store_true", help="print only what does not hold")
     options = parser.parse_args()
     names = [name for name in FAMILIES if not options.names or any(part in name for part in options.names)]
-    drawn = range(options.drawn)
+    counted: Sequence[str | int] = range(options.drawn) if options.drawn else names
     if not options.json:
         heads = ("family", "measurement", "n", "u", "2u", "U", "rms", "mean")
         print("{:30} {:32} {:>4} {:>5} {:>5} {:>5} {:>7} {:>7}".format(*heads))
     begin = time.perf_counter()
     with ProcessPoolExecutor(max_workers=options.workers) as pool:
         found: list[Score] = []
-        counted = {"repetitions": options.repetitions, "seed": options.seed}
-        parts = (
-            pool.map(partial(score_drawn, **counted), drawn)
-            if drawn
-            else pool.map(partial(score_family, **counted), names)
-        )
-        for number, part in enumerate(parts):
+        score = partial(score_family, repetitions=options.repetitions, seed=options.seed)
+        for which, part in zip(counted, pool.map(score, counted), strict=True):
             found.extend(part)
             if not options.json:
                 shown = [each for each in part if not options.narrow or each.verdict in ("narrow", "wide")]
                 _print(shown)
-                if drawn and any(each.verdict == "narrow" for each in part):
-                    print(drawn_family(number, options.seed).what, flush=True)
+                if isinstance(which, int) and any(each.verdict == "narrow" for each in part):
+                    print(drawn_family(which, options.seed).what, flush=True)
     counts = {
         verdict: sum(each.verdict == verdict for each in found)
         for verdict in ("holds", "wide", "bound", "narrow", "null", "uncounted")
@@ -85,7 +77,7 @@ def main() -> int:
     }
     if options.json:
         document = {
-            "families": len(drawn) or len(names),
+            "families": len(counted),
             "repetitions": options.repetitions,
             "seed": options.seed,
             "seconds": round(time.perf_counter() - begin, 1),
@@ -98,7 +90,7 @@ def main() -> int:
         }
         print(json.dumps(document, indent=2, allow_nan=False))
     else:
-        print(f"{len(drawn) or len(names)} families, {counts}, {time.perf_counter() - begin:.0f} s")
+        print(f"{len(counted)} families, {counts}, {time.perf_counter() - begin:.0f} s")
         print(f"rms of error / u, quantiles over {len(rms)} answers: {quantiles}")
     return 1 if counts["narrow"] else 0
 

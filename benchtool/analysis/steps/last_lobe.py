@@ -20,26 +20,29 @@ _OF_BOTH = math.sqrt(2.0)  # times the noise of the curve: that of a draw, too
 _SURE = 2.0  # standard deviations by which the curve is further within the band between two lobes
 
 
-def rms_beyond_lobes(away: Floats, errors: Floats, band: float, place: float) -> float:
+def rms_beyond_lobes(
+    away: Floats, errors: Floats, standard: Floats, band: float, place: float, drawn: Floats
+) -> float:
     """Return the rms distance from a `place` of final entries into the band that are in other lobes, over all
     draws, by how much larger it is for the noise of both the curve and a draw than for that of a draw.
 
-    The curve is so far `away`, shape (n,), from the level amid the band; `errors`, shape (draws, n), are what
-    noise makes of it. The band is wider by what the noise of both lifts the greatest of the last lobe.
+    The curve is so far `away`, shape (n,), from the level amid the band; `errors`, shape (draws, n), of this
+    `standard` deviation, are what noise makes of it, and `drawn`, shape (draws,), where each of them makes it
+    enter, nan where it does not. The band is wider by what the noise of both lifts the greatest of the last
+    lobe.
     """
-    apart = _beside_other_lobes(away, np.std(errors, axis=0), band, place)
+    apart = _beside_other_lobes(away, standard, band, place)
     if not np.any(apart):
         return 0.0
-    of_both = _OF_BOTH * errors
     lifted = band + (1.0 + _OF_BOTH) * _lift(away, errors, place)
-    square = _square(away + of_both, lifted, place, apart) - _square(away + errors, band, place, apart)
-    return math.sqrt(max(0.0, square))
+    found = (last_passage(each, 0.0, lifted) for each in away + _OF_BOTH * errors)
+    of_both = np.array([math.nan if each is None else each.place for each in found])
+    return math.sqrt(max(0.0, _square(of_both, place, apart) - _square(drawn, place, apart)))
 
 
-def _square(drawn: Floats, band: float, place: float, apart: NDArray[np.bool_]) -> float:
+def _square(drawn: Floats, place: float, apart: NDArray[np.bool_]) -> float:
     """Return the mean square distance of final entries, where they are apart by lobes."""
-    found = [last_passage(each, 0.0, band) for each in drawn]
-    places = np.array([place if each is None else each.place for each in found])
+    places = np.where(np.isnan(drawn), place, drawn)
     rows = np.clip(np.floor(places).astype(np.int64), 0, len(apart) - 1)
     beside = np.minimum(rows + 1, len(apart) - 1)
     return float(np.mean(np.where(apart[rows] | apart[beside], (places - place) ** 2, 0.0)))

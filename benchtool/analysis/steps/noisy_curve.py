@@ -370,7 +370,8 @@ class NoisyCurve:
         most = float(np.nanmedian(places)) if is_either else found.place
         instant = Passage(most, found.reach, places).instant
         if len(errors) and not self.is_on_levels:
-            of_lobes = rms_beyond_lobes(self.values - level, errors, band, most)
+            away = self.values - level
+            of_lobes = rms_beyond_lobes(away, errors, self.standard, band, most, places)
             return replace(instant, standard=math.hypot(instant.standard, of_lobes))
         last = math.ceil(most) - 1
         if not self.is_on_levels or not 0 <= last < len(self.values) - 1:

@@ -16,6 +16,13 @@ LOBE = 60.0  # rows between two lobes, each a quarter as high as that before
 DRAWS = 60
 
 
+def beyond_lobes(away: np.ndarray, errors: np.ndarray, band: float, place: float) -> float:
+    """Return what other lobes add, by draws of these errors."""
+    found = [last_passage(away + each, 0.0, band) for each in errors]
+    drawn = np.array([np.nan if each is None else each.place for each in found])
+    return rms_beyond_lobes(away, errors, np.std(errors, axis=0), band, place, drawn)
+
+
 def ringing(third: float) -> np.ndarray:
     """Return what rings about zero, its third lobe so many times the band high."""
     turn = np.pi * ROWS / LOBE
@@ -52,7 +59,7 @@ def test_a_lobe_that_noise_does_not_decide_adds_nothing(third: float) -> None:
     away = ringing(third)
     found = last_passage(away, 0.0, BAND)
     assert found is not None
-    assert rms_beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
+    assert beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
 
 
 def test_a_course_without_lobes_has_no_other() -> None:
@@ -60,7 +67,7 @@ def test_a_course_without_lobes_has_no_other() -> None:
     away = np.exp(-ROWS / 40.0)
     found = last_passage(away, 0.0, BAND)
     assert found is not None
-    assert rms_beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
+    assert beyond_lobes(away, 0.3 * noise(random, DRAWS), BAND, found.place) == 0.0
 
 
 @pytest.mark.parametrize("draws", [(-0.16, 0.0), (-0.1, 0.3)])
@@ -75,7 +82,7 @@ def test_entries_in_another_lobe_count_by_their_distance(draws: tuple[float, flo
     wider = last_passage(away + np.sqrt(2.0) * draws[0] * lobe, 0.0, 1.0 + (1.0 + np.sqrt(2.0)) * lift)
     assert wider is not None
     assert wider.place < 10.0 < found.place
-    told = rms_beyond_lobes(away, np.outer(draws, lobe), 1.0, found.place)
+    told = beyond_lobes(away, np.outer(draws, lobe), 1.0, found.place)
     assert told == pytest.approx((found.place - wider.place) / np.sqrt(2.0), rel=1e-9)
 
 
@@ -87,4 +94,4 @@ def test_a_trough_within_what_noise_does_parts_no_lobes() -> None:
     assert found is not None
     for rms, parts in ((0.09, True), (0.15, False)):
         drawn = np.outer((-rms, rms), np.ones(41))
-        assert (rms_beyond_lobes(away, drawn, 1.0, found.place) > 0.0) is parts
+        assert (beyond_lobes(away, drawn, 1.0, found.place) > 0.0) is parts
