@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchtool.analysis import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
-from benchtool.analysis.phase import marks_of_rotor, marks_of_tone
+from benchtool.analysis.phase import PeriodMarks, marks_of_rotor, marks_of_tone
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
 
@@ -23,11 +22,10 @@ _ROTATING_FRAME = re.compile(r"(?<![a-z])i[\s_]*[dq]\b|\b[dq][\s_-]*(axis|curren
 
 @dataclass(frozen=True)
 class Repetition:
-    """What the rows of a record repeat: sample numbers at which periods begin, shape (n,), None where none
-    are known, their kind, electrical periods, else revolutions, and how many make a revolution; 1 where that
-    is not known."""
+    """What the rows of a record repeat: where periods begin, None where none are known, their kind,
+    electrical periods, else revolutions, and how many make a revolution; 1 where that is not known."""
 
-    marks: NDArray[np.float64] | None = None
+    marks: PeriodMarks | None = None
     kind: str = ""
     per_revolution: int = 1
 
@@ -74,7 +72,8 @@ class Periods:
             coverage = angle_coverage(self.record.column("angle"), angle)
         except AnalysisError:
             return Repetition()
-        return Repetition(revolution_rows(coverage.angle_rad).astype(np.float64), f"revolutions of {angle}")
+        marks = PeriodMarks(revolution_rows(coverage.angle_rad).astype(np.float64))
+        return Repetition(marks, f"revolutions of {angle}")
 
     @property
     def hidden(self) -> str:
@@ -99,7 +98,7 @@ class Periods:
             return Repetition()
         angle_rad = step_rad * np.arange(len(uniform.data), dtype=np.float64)
         kind = "electrical periods" if question.pole_pairs else "revolutions"
-        marks = revolution_rows(angle_rad, turn_rad).astype(np.float64)
+        marks = PeriodMarks(revolution_rows(angle_rad, turn_rad).astype(np.float64))
         return Repetition(marks, f"{kind} at the stated speed", question.pole_pairs or 1)
 
     def _of_angle(self) -> PhaseTrack | None:

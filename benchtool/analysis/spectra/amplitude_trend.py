@@ -19,6 +19,7 @@ FEWEST_PERIODS = 16
 """Of fewer amplitudes a trend is not told from chance."""
 
 _LEFT = 0.03  # of the variance; of a random walk a parabola leaves a quarter
+_LEFT_OF_TWO = 0.01  # where a sinusoid and a line explain it: of one walk in a thousand these leave as little
 _LEAST_CYCLES = 1.0  # of a swing: the constant that a part of one is about is not known
 _WITHOUT_DOUBT, _ALIKE = 3e-4, 3.0  # of the variance; standard deviations of a correlation
 _RATE_STEP, _FINER_RATES = 1.25, 15
@@ -62,9 +63,10 @@ def amplitude_trend(
 ) -> AmplitudeTrend | None:
     """Return the trend of amplitudes, shape (periods,); None if there is none.
 
-    A line, a parabola, a step, an exponential or one sinusoid: the first that leaves less than three
-    hundredths of the variance, which is far less than of an amplitude that wanders at random, and of that
-    nothing but noise, whose neighbours are not alike. `before` and `after` are the shares of the record,
+    A line, a parabola, a step, an exponential, or one sinusoid about a constant or a line: the first that
+    leaves less than three hundredths of the variance, the last less than one, which is far less than of an
+    amplitude that wanders at random, and of that nothing but noise, whose neighbours are not alike. `before`
+    and `after` are the shares of the record,
     relative to the periods, that are outside them; `edges`, shape (periods + 1,), are where the periods begin
     and end in time, from 0 to 1, by default evenly.
     """
@@ -79,11 +81,12 @@ def amplitude_trend(
     numbers = np.arange(count + 1.0)
     edges, bent = (numbers / count, 1.0) if edges is None else (edges, 0.0)
     place = 0.5 * (edges[1:] + edges[:-1])
-    for curve, about, bend, slopes, cycles in _curves(relative, edges):
+    for found in _curves(relative, edges, 0.5 * (1.0 + after - before)):
+        curve, about, slopes = found.curve, found.about, found.slopes
         over_periods = curve.mean(edges[:-1], edges[1:]) if isinstance(curve, _Step) else curve(place)
         rest = relative - over_periods
         left = float(np.mean(rest**2)) / power
-        if left > _LEFT or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
+        if left > found.left or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
             continue
         phases = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
         points, whole = (
@@ -108,32 +111,42 @@ def amplitude_trend(
             curve=curve,
             level=level,
             of_level=math.hypot(math.sqrt(noise2 * float(by_values @ by_values)), of_edge),
-            deviation=math.hypot(apart, bent * _OF_TIME * bend),
+            deviation=math.hypot(apart, bent * _OF_TIME * found.bend),
             apart=abs(apart),
             rest=rest,
             over_periods=over_periods,
             growth=growth,
-            cycles=cycles,
+            cycles=found.cycles,
         )
     return None
 
 
-_Curve = tuple[Callable[[Floats], Floats], float | None, float, Callable[[Floats], Floats], float]
+@dataclass(frozen=True)
+class _Fitted:
+    """A curve over a record, from 0 to 1, that may leave so much of the variance: the constant that it is
+    `about`, if it is about one, its bend, its slopes by its constants, shape (places, constants), and its
+    cycles, if it is a sinusoid."""
+
+    curve: Callable[[Floats], Floats]
+    slopes: Callable[[Floats], Floats]
+    about: float | None = None
+    bend: float = 0.0
+    cycles: float = 0.0
+    left: float = _LEFT
 
 
-def _curves(relative: Floats, edges: Floats) -> Iterator[_Curve]:
-    """Yield curves over the record, from 0 to 1, of amplitudes of periods between edges, each with the
-    constant that it is about, if it is about one, its bend, its slopes by its constants, shape (places,
-    constants), and its cycles, if it is a sinusoid."""
+def _curves(relative: Floats, edges: Floats, middle: float) -> Iterator[_Fitted]:
+    """Yield curves over the record, about its `middle`, of amplitudes of periods between edges."""
     place = 0.5 * (edges[1:] + edges[:-1])
     for degree in (1, 2):
         line = np.polynomial.Polynomial.fit(place, relative, degree)
         bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
-        yield line, None, abs(bend), partial(_powers, degree), 0.0
+        yield _Fitted(line, partial(_powers, degree), bend=abs(bend))
     step = _step(relative, edges)
-    yield step, None, 0.0, step.slopes, 0.0
+    yield _Fitted(step, step.slopes)
     yield _settling(relative, place)
     yield from _swing(relative, place)
+    yield from _swing(relative, place, middle)
 
 
 def _powers(degree: int, places: Floats) -> Floats:
@@ -178,7 +191,7 @@ def _step(relative: Floats, edges: Floats) -> _Step:
     return min(found, key=lambda each: float(np.sum((relative - each.mean(edges[:-1], edges[1:])) ** 2)))
 
 
-def _settling(relative: Floats, place: Floats) -> _Curve:
+def _settling(relative: Floats, place: Floats) -> _Fitted:
     """Return the exponential to a final value that leaves least: a machine that warms up, a decaying flux."""
 
     deviation = relative - np.mean(relative)
@@ -195,29 +208,30 @@ def _settling(relative: Floats, place: Floats) -> _Curve:
         columns = _exponential(places, rate)
         return np.column_stack([columns, -constants[1] * places * columns[:, 1]])
 
-    return lambda places: np.asarray(_exponential(places, rate) @ constants), None, 0.0, slopes, 0.0
+    return _Fitted(lambda places: np.asarray(_exponential(places, rate) @ constants), slopes)
 
 
 def _exponential(place: Floats, rate: float) -> Floats:
     return np.stack([np.ones(len(place)), np.exp(-rate * place)], axis=1)
 
 
-def _swing(relative: Floats, place: Floats) -> Iterator[_Curve]:
-    """Yield the sinusoid that leaves least, about a constant."""
-    found = sinusoid_of(relative, place, _LEAST_CYCLES)
+def _swing(relative: Floats, place: Floats, middle: float | None = None) -> Iterator[_Fitted]:
+    """Yield the sinusoid that leaves least, about a constant, or a line with that in its `middle`."""
+    found = sinusoid_of(relative, place, _LEAST_CYCLES, middle)
     if found is None:
         return
     cycles, constants = found.cycles, found.constants
 
     def slopes(places: Floats) -> Floats:
-        columns = swing_basis(places, cycles)
+        columns = swing_basis(places, cycles, middle)
         by_cycles = 2.0 * np.pi * places * (constants[2] * columns[:, 1] - constants[1] * columns[:, 2])
         return np.column_stack([columns, by_cycles])
 
-    yield (
-        lambda places: np.asarray(swing_basis(places, cycles) @ constants),
-        float(constants[0]),
-        0.0,
-        slopes,
-        cycles,
-    )
+    def curve(places: Floats) -> Floats:
+        return np.asarray(swing_basis(places, cycles, middle) @ constants)
+
+    about = float(constants[0])
+    if middle is None:
+        yield _Fitted(curve, slopes, about, cycles=cycles)
+    else:  # in another record a swing goes on where it is, and a line begins again
+        yield _Fitted(curve, slopes, about, left=_LEFT_OF_TWO)

@@ -67,17 +67,20 @@ def slow_swing(values: Floats) -> SlowSwing | None:
 
 @dataclass(frozen=True)
 class Sinusoid:
-    """A sinusoid of so many `cycles` over a record, about a constant: the constants of `swing_basis`, shape
-    (3,), and what it leaves of the values, shape (n,)."""
+    """A sinusoid of so many `cycles` over a record, about a constant or a line: the constants of
+    `swing_basis`, shape (3,) or (4,), and what it leaves of the values, shape (n,)."""
 
     cycles: float
     constants: Floats
     rest: Floats
 
 
-def sinusoid_of(values: Floats, place: Floats, least_cycles: float) -> Sinusoid | None:
+def sinusoid_of(
+    values: Floats, place: Floats, least_cycles: float, middle: float | None = None
+) -> Sinusoid | None:
     """Return the sinusoid that leaves least of values of mean zero, shape (n,), at places from 0 to 1 in a
-    record, of no fewer cycles over it and at most one in four values; None of too few values.
+    record, of no fewer cycles over it and at most one in four values; None of too few values. It is about a
+    line where the `middle` of that is given, as in `swing_basis`.
 
     The maximum of a periodogram begins the search for the least squares.
     """
@@ -85,28 +88,30 @@ def sinusoid_of(values: Floats, place: Floats, least_cycles: float) -> Sinusoid 
     first, last = math.ceil(_FINER * least_cycles), int(_FINER * _FASTEST * count)
     if not first < last:
         return None
-    power = np.abs(fft.rfft(values, _FINER * count)[first:last]) ** 2
+    level = values if middle is None else values - np.polynomial.Polynomial.fit(place, values, 1)(place)
+    power = np.abs(fft.rfft(level, _FINER * count)[first:last]) ** 2
     near = (first + int(np.argmax(power))) / _FINER
 
     def left(cycles: float) -> float:
-        rest = _fitted(values, swing_basis(place, cycles))[1]
+        rest = _fitted(values, swing_basis(place, cycles, middle))[1]
         return float(rest @ rest)
 
     from scipy.optimize import minimize_scalar  # takes longer than all else here
 
     bounds = max(least_cycles, near - _NEAR), near + _NEAR
     cycles = float(minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _EXACTLY}).x)
-    return Sinusoid(cycles, *_fitted(values, swing_basis(place, cycles)))
+    return Sinusoid(cycles, *_fitted(values, swing_basis(place, cycles, middle)))
 
 
-def swing_basis(place: Floats, cycles: float) -> Floats:
-    """Return a constant and a sinusoid of so many cycles over a record, at places from 0 to 1 in it, shape
-    (n, 3)."""
+def swing_basis(place: Floats, cycles: float, middle: float | None = None) -> Floats:
+    """Return a constant and a sinusoid of so many cycles over a record, at places from 0 to 1 in it, and a
+    line that is 0 in the `middle`, if one is given, shape (n, 3) or (n, 4)."""
     turned = 2.0 * np.pi * cycles * place
-    return np.stack([np.ones(len(place)), np.cos(turned), np.sin(turned)], axis=1)
+    columns = [np.ones(len(place)), np.cos(turned), np.sin(turned)]
+    return np.stack(columns if middle is None else [*columns, place - middle], axis=1)
 
 
 def _fitted(values: Floats, basis: Floats) -> tuple[Floats, Floats]:
-    """Return the constants of a basis, shape (3,), and what they leave of the values, shape (n,)."""
+    """Return the constants of a basis, shape (3,) or (4,), and what they leave of the values, shape (n,)."""
     found = np.asarray(np.linalg.solve(basis.T @ basis, basis.T @ values), dtype=np.float64)
     return found, values - basis @ found

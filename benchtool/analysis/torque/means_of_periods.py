@@ -22,6 +22,7 @@ FEWEST_PERIODS = 3
 
 _ALIKE = 3.0  # standard deviations of a correlation
 _ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
+_OF_A_ROW = 0.5  # rounding of what is behind the last mark, or whole rows that were left out there
 _OF_LAST = 16  # one in so many
 
 
@@ -30,12 +31,14 @@ class Periods:
     """What repeats in a record: the rows at which it begins, shape (periods + 1,), the first 0, the last the
     row after the last; `name` says what it is. `per_revolution` of them make one of the rotor, 1 where that
     is not known. `marks`, of the same shape, are the sample numbers up to which a row is before, if they are
-    known."""
+    known, and `as_far` the rows in which each turns as far as a record does behind the last, and at last
+    those behind it."""
 
     rows: NDArray[np.int64]
     name: str = "electrical periods"
     per_revolution: int = 1
     marks: Floats | None = None
+    as_far: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.rows) - 1
@@ -64,6 +67,16 @@ class Periods:
         sums = np.add.reduceat(series[: self.rows[-1]], self.rows[:-1])
         parted = (self.rows - self.edges) * series[np.maximum(self.rows - 1, 0)]
         return np.asarray((sums - np.diff(parted)) / np.diff(self.edges))
+
+    def parts(self, count: int) -> tuple[Floats, float]:
+        """Return in how many rows each turns as far as so many rows do behind the last, shape (periods,), and
+        how many those are: by the pace of the last one where nothing tells it."""
+        counts = np.diff(self.edges)
+        # one that ends between the last two rows is among those behind, and makes nothing of the mean
+        over = math.fmod(count - float(self.edges[-1]), float(counts[-1]))
+        if self.as_far is not None and count - float(self.edges[-1]) > float(self.as_far[-1]) - _OF_A_ROW:
+            return np.minimum(self.as_far[:-1], counts), float(self.as_far[-1])
+        return np.minimum(over * counts / counts[-1], counts), over
 
     def places(self, count: int) -> Floats:
         """Return how far through all of them so many rows are, from 0 to 1, shape (count,), or their middles
@@ -168,9 +181,7 @@ def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
     """
     edges = repeats.edges
     begin, counts = edges[:-1], np.diff(edges)
-    # one that ends between the last two rows is among those behind, and makes nothing of the mean
-    over = math.fmod(len(series) - float(edges[-1]), float(counts[-1]))
-    parts = np.minimum(over * counts / counts[-1], counts)
+    parts, over = repeats.parts(len(series))
     if not over > 0.0:
         return 0.0, 0.0
     number = np.arange(len(series) + 1)

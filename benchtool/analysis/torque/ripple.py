@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, rows_of_marks
-from benchtool.analysis.phase.period_marks import marks_of_rotor
+from benchtool.analysis.phase.period_marks import PeriodMarks, marks_of_rotor
 from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
@@ -138,7 +138,7 @@ def ripple_of_rows(
     basis: Basis,
     *,
     rated: float | None = None,
-    marks: NDArray[np.float64] | None = None,
+    marks: PeriodMarks | None = None,
     repeated: str = "electrical periods",
     per_revolution: int = 1,
     what: str = "signal",
@@ -147,10 +147,9 @@ def ripple_of_rows(
 ) -> tuple[Measurement, ...]:
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
-    `marks`, shape (m + 1,), are the sample numbers at which what repeats begins, the first 0, and that at
-    which the last one ends; `repeated` says what that is, `per_revolution` how many make a revolution.
-    Messages name `channel`, or `what` where it is not given. `no_periods` is why nothing tells `marks`, where
-    that is not for lack of an angle, a current or a speed.
+    `marks` are where what repeats begins, and where the last one ends; `repeated` says what that is,
+    `per_revolution` how many make a revolution. Messages name `channel`, or `what` where it is not given.
+    `no_periods` is why nothing tells `marks`, where that is not for lack of an angle, a current or a speed.
 
     Raises:
         AnalysisError: too short, not finite, or constant.
@@ -159,15 +158,15 @@ def ripple_of_rows(
     step = counting_step(samples)
     scatter = None
     if marks is not None:
-        repeats = Periods(rows_of_marks(marks), repeated, per_revolution, marks)
+        repeats = Periods(rows_of_marks(marks.numbers), repeated, per_revolution, marks.numbers, marks.as_far)
         scatter = scatter_of_periods(samples, repeats, step)
     unknown = ""
     if scatter is None or marks is None:
-        unknown = _without_periods(marks, repeated, no_periods)
+        unknown = _without_periods(None if marks is None else marks.numbers, repeated, no_periods)
     else:
         rms = rms_before_steps(scatter.whole_rms, step, scatter.steps)
         whole = replace(whole, mean=scatter.whole_mean, rms=rms)
-        unknown = _few_updates(samples, marks, repeated)
+        unknown = _few_updates(samples, marks.numbers, repeated)
         scatter = replace(scatter, percentile_range=None) if unknown else scatter
     seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples))
     return tuple(_numbers(seen, percentile_range(samples), name, rated))

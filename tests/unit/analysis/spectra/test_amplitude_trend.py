@@ -26,6 +26,9 @@ CURVES: dict[str, Callable[[Array], Array]] = {
     "warming up": lambda place: 0.03 * (np.exp(-3.0 * place) - 0.3167),
     "step": lambda place: np.asarray(0.01 * (place > 0.55)),
     "swing": lambda place: np.asarray(0.02 * np.cos(2 * np.pi * 6.6 * place + 1.0)),
+    "swing about a ramp": lambda place: np.asarray(
+        0.02 * np.cos(2 * np.pi * 6.6 * place + 1.0) - 0.05 * (place - 0.5)
+    ),
 }
 
 
@@ -45,6 +48,16 @@ def test_a_walk_is_no_trend() -> None:
     random = np.random.default_rng(2)
     walks = 1.0 + 1e-3 * np.cumsum(random.standard_normal((60, PERIODS)), axis=1)
     assert sum(amplitude_trend(walk) is not None for walk in walks) <= 1  # by chance one in two hundred
+
+
+def test_the_level_of_a_swing_about_a_ramp_is_that_of_the_ramp_over_the_record() -> None:
+    """Of a record that goes on for a twentieth behind the periods, and of a swing of 2.3 cycles."""
+    course = 0.02 * np.cos(2 * np.pi * 2.3 * PLACE + 1.0) + 0.05 * PLACE
+    found = amplitude_trend(1.0 + course, after=0.05)
+    assert found is not None
+    mean = float(np.mean(1.0 + course))
+    assert found.level == pytest.approx((1.0 + 0.05 * 0.5 * 1.05) / mean - 1.0, abs=1e-7)
+    assert found.cycles == 0.0
 
 
 def test_the_mean_of_a_ramp_is_known_as_well_as_that_of_a_constant() -> None:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
+from scipy.interpolate import CubicSpline
 
 from benchtool.analysis import analyze_steady_state
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase import PeriodMarks
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
 from benchtool.block import Block
 
@@ -33,6 +37,25 @@ def test_the_mean_is_over_the_angle_where_the_speed_drifts(growth: float) -> Non
     whole = float(np.mean(series[: rows[-1]]))
     assert abs(whole) > 3e-4
     assert abs(mean_over_periods(series, Periods(rows, marks=marks)).mean) < 0.2 * abs(whole)
+
+
+def test_the_incomplete_period_ends_where_the_rotor_is_while_its_speed_swings() -> None:
+    """By the pace of the last period the end of the record is up to a thirtieth of a period elsewhere."""
+    by_angle: list[float] = []
+    by_pace: list[float] = []
+    for phase in np.linspace(0.0, 6.0, 9):
+        rows = np.arange(5973.0)
+        turned = 2 * np.pi * rows / 551.0
+        phase_rad = Polynomial([0.0, 2 * np.pi / 551.0])
+        swing_rad = 0.046 * np.sin(0.43 * turned + phase)
+        track = PhaseTrack(phase_rad, len(rows), "made", departure=CubicSpline(rows, swing_rad))
+        series = 0.1 * np.cos(6.0 * track.at(rows))
+        marks = PeriodMarks.of(track)
+        begins = np.ceil(marks.numbers - 1e-6).astype(np.int64)
+        for found, as_far in ((by_angle, marks.as_far), (by_pace, None)):
+            found.append(mean_over_periods(series, Periods(begins, marks=marks.numbers, as_far=as_far)).mean)
+    assert float(np.max(np.abs(by_pace))) > 2e-4
+    assert float(np.max(np.abs(by_angle))) < 1e-5
 
 
 def test_places_go_on_behind_the_last_period_at_its_pace() -> None:
