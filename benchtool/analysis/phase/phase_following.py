@@ -96,10 +96,10 @@ def wander(coherent: CoherentSamples) -> Wander:
     of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
     if of_amplitude > _OF_NOISE**2 and _are_unrelated(phasor):
         return Wander(phase_rad, amplitude, 0.0, math.sqrt(of_amplitude))
-    freedom = len(phasor) - 1
     excess, by_chance = 0.0, 1.0
-    if freedom + 1 >= _FEWEST_PERIODS and of_phase > of_amplitude:
-        by_chance = _by_chance(phase_rad, of_amplitude)
+    if len(phasor) >= _FEWEST_PERIODS:
+        of_amplitude = _about_a_line(amplitude) / middle**2
+        by_chance = _by_chance(phase_rad, of_amplitude) if of_phase > of_amplitude else 1.0
         excess = math.sqrt(of_phase - of_amplitude) if by_chance < _BY_CHANCE else 0.0
     jump_rad = _jump_rad(steps)
     return Wander(
@@ -115,13 +115,21 @@ def wander(coherent: CoherentSamples) -> Wander:
 
 def _by_chance(phase_rad: NDArray[np.float64], of_amplitude: float) -> float:
     """Return the probability with which noise that does `of_amplitude` to amplitudes, the relative variance
-    of as many, does as much to phases, shape (n,): to all of them, or to the slowest of their courses, in
-    which a speed that settles or drifts is."""
+    of as many about a line, does as much to phases, shape (n,): to all of them, or to the slowest of their
+    courses, in which a speed that settles or drifts is."""
     if not of_amplitude > 0.0:
         return 0.0
     freedom, slow = len(phase_rad) - 1, _slowest(phase_rad)
-    of_all = fisher_above(freedom, freedom, float(np.var(phase_rad)) / of_amplitude)
-    return min(of_all, fisher_above(len(slow), freedom, float(np.mean(slow**2)) / of_amplitude))
+    of_all = fisher_above(freedom, freedom - 1.0, float(np.var(phase_rad)) / of_amplitude)
+    return min(of_all, fisher_above(len(slow), freedom - 1.0, float(np.mean(slow**2)) / of_amplitude))
+
+
+def _about_a_line(values: NDArray[np.float64]) -> float:
+    """Return the variance that noise has of which values, shape (n,), deviate as much from a line: a load
+    that rises moves the amplitude, and is no noise of the phase."""
+    count, line = len(values), Polynomial.fit(np.arange(len(values)), values, 1)
+    rest = values - line(np.arange(count))
+    return float(rest @ rest) / (count - 2.0) * (count - 1.0) / count
 
 
 def _slowest(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -54,6 +54,23 @@ def test_a_speed_that_settles_within_the_noise_is_in_the_frequency() -> None:
     assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.9
 
 
+@pytest.mark.parametrize("rises", [-0.0135, 0.02])
+def test_an_amplitude_that_rises_meanwhile_hides_no_speed_that_settles(rises: float) -> None:
+    """A line through the amplitudes is no noise that might have moved the phases as well."""
+    time_s, theta = settling(9.7, 2.9e-3, 0.37)
+    load = 1.0 + rises * np.linspace(-0.5, 0.5, len(theta))
+    current = load * np.cos(theta) + 3.8e-4 * np.random.default_rng(3).standard_normal(len(theta))
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
+    frequency, true_Hz = (
+        found["fundamental_frequency"],
+        float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1]),
+    )
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - true_Hz) < 3.0 * frequency.uncertainty.standard
+    assert frequency.uncertainty.standard < 2e-4 * true_Hz
+
+
 def test_the_frequency_of_an_angle_that_was_computed_is_that_of_its_ends() -> None:
     """Blocks of its course that are a row longer than others, or the record, made an error of 9e-6 rad."""
     time_s, theta = settling(9.1, -2.4e-3, 0.78)
