@@ -25,6 +25,7 @@ _WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even cove
 _FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions
 _FEWEST_OF_PHASE = 8  # revolutions whose phase is told to wander
 _CLEARLY = 6.0  # a ratio of variances of as many revolutions: by chance once in a hundred, or much less
+_SHOWS = 0.25  # scatter of an amplitude over its mean; of noise alone it is 0.52 (Rayleigh)
 MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
 _PIECE = 256  # samples whose powers stay in the cache
 
@@ -118,7 +119,9 @@ def fit_orders(
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
-            standard = np.hypot(standard, _lost(coefficient, along2, across2, revolutions))
+            lost = _lost(coefficient, along2, across2, revolutions)
+            lost = np.maximum(lost, _turned(coefficient, shift, np.real(sums[:, 0])))
+            standard = np.hypot(standard, lost)
             source += ", and what a phase that wanders takes off it"
     else:
         source = "noise halfway between the orders: with fewer than 4 revolutions none from their scatter"
@@ -149,6 +152,24 @@ def _lost(
     size2 = np.maximum(np.abs(coefficient) ** 2, np.finfo(float).tiny)
     excess = np.where(across2 > _CLEARLY * along2, across2 - along2, 0.0)
     return np.asarray(2.0 * np.abs(coefficient) * np.minimum(1.0, 0.5 * revolutions * excess / size2))
+
+
+def _turned(
+    coefficient: NDArray[np.complex128], shift: NDArray[np.complex128], share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return what is lost of the amplitude of each order to a phase that turns far over the revolutions: by
+    how much less it is than in each of them, 0 where noise hides it there.
+
+    `shift`, shape (K, revolutions), is what each revolution adds to the coefficients, `share` how much of all
+    it is. Those that are hardly begun tell nothing.
+    """
+    whole = share > 0.5 * np.max(share)
+    each = np.abs(coefficient[:, np.newaxis] + shift[:, whole] / share[whole])
+    mean, scatter = np.mean(each, axis=1), np.std(each, axis=1, ddof=1)
+    # noise has added to the squares along the phase of each revolution and across it
+    alone = np.sqrt(np.maximum(0.0, mean**2 - scatter**2))
+    lost = np.where(scatter < _SHOWS * mean, alone - np.abs(coefficient), 0.0)
+    return np.asarray(2.0 * np.maximum(0.0, lost))
 
 
 def sector_means(

@@ -75,16 +75,26 @@ class SlowLines:
 
         With a pace of 1 + eta the integral of cos(x) dt is that of cos(x) dx, which whole cycles leave
         nothing of, less that of eta cos(x) dt. Of eta, a drift counts at the ends only, and is left out.
-        Lines that are not apart may be large, and cancel each other: their parts of eta are alike.
+        Lines that are not apart may be large, and cancel each other: eta has one part for all of them, as
+        slowly as they go in and out of step, that of a line in their middle.
         """
+        order = np.argsort(self.cycles)
+        begins = np.flatnonzero(np.diff(self.cycles[order], prepend=-np.inf) > _APART)
+        lines = np.split(order, begins[1:])
+        cycles = np.array([np.mean(self.cycles[each]) for each in lines])
         blocks = min(len(place) - 1, max(_FEWEST_BLOCKS, math.ceil(_BLOCKS_OF_CYCLE * np.max(self.cycles))))
         edges = np.linspace(0, len(place) - 1, blocks + 1).astype(np.int64)
         pace = np.diff(place[edges]) / np.diff(edges)
         middle = 0.5 * (place[edges[1:]] + place[edges[:-1]])
-        turned = 2.0 * np.pi * np.outer(middle, self.cycles)
+        turned = 2.0 * np.pi * np.outer(middle, cycles)
         basis = np.column_stack([np.ones(blocks), middle - 0.5, np.cos(turned), np.sin(turned)])
         eta = np.linalg.lstsq(basis, pace / np.mean(pace) - 1.0, rcond=_TOLD)[0][2:]
-        return -0.5 * float(eta @ np.concatenate([self.cosine, self.sine]))
+        phasors = self.cosine - 1j * self.sine
+        together = np.zeros(len(lines), dtype=np.complex128)
+        for index, each in enumerate(lines):  # on average over the record, against the line in their middle
+            off = self.cycles[each] - cycles[index]
+            together[index] = np.sum(phasors[each] * np.exp(1j * np.pi * off) * np.sinc(off))
+        return -0.5 * float(eta @ np.concatenate([together.real, -together.imag]))
 
     def at(self, place: Floats) -> Floats:
         """Return their sum without the constant, at places from 0 to 1 in the record, shape (n,)."""

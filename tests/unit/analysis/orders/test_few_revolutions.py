@@ -128,3 +128,18 @@ def test_which_order_is_the_largest_is_not_told_where_an_uncertain_one_may_be() 
     assert math.isnan(number.value)
     assert "may be larger than order" in number.reason
     assert amplitude.reason == number.reason
+
+
+@pytest.mark.parametrize("slip", [0.0, 1.2e-3, 2.8e-3])
+def test_an_order_of_an_angle_that_slips_may_have_been_as_large_as_in_each_revolution(slip: float) -> None:
+    """Of ten revolutions, in which order 24 turns by up to four radians against an angle that slips."""
+    turned = 2 * np.pi * np.arange(24_000) / 2_400
+    values = 0.1 * np.cos(24.0 * (1.0 + slip) * turned) + 1e-3 * np.random.default_rng(4).standard_normal(
+        24_000
+    )
+    fit = fit_orders(angle_coverage(turned), values, 40, "T")
+    amplitude, standard = 2.0 * abs(fit.coefficient[23]), float(fit.standard[23])
+    expected = 0.1 * abs(np.sinc(24.0 * slip * 10.0))
+    assert amplitude == pytest.approx(expected, abs=1e-3)
+    assert standard == pytest.approx(0.1 - expected, rel=0.5, abs=2e-4)
+    assert float(np.max(fit.standard[:6])) < 2e-4  # orders of noise alone lose nothing

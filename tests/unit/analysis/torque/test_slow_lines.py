@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, ripple_numbers, torque_ripple, track_angle
-from benchtool.analysis.torque.slow_lines import slow_lines
+from benchtool.analysis.torque.slow_lines import SlowLines, slow_lines
 from benchtool.block import Block
 from tests.at_length import at_length
 
@@ -258,3 +258,17 @@ def test_lines_within_part_of_a_cycle_do_not_tell_the_rms(cycles: float) -> None
     assert all(each.uncertainty is None and "apart" in each.uncertainty_reason for each in two)
     one = measured(record(120.0, 1, (0.137, 0.04)))["torque_ripple_rms"]
     assert one.uncertainty is not None
+
+
+def test_lines_that_are_not_told_from_each_other_move_a_mean_as_one() -> None:
+    """Three within a part of a cycle stand for one beside them, where the pace of the record swings."""
+    rows = np.linspace(0.0, 1.0, 4000)
+    place = rows + 0.0035 * (np.sin(2 * np.pi * 2.2 * rows) - np.sin(2 * np.pi * 2.2) * rows) / 2.2
+    cycles = np.array([18.86, 18.91, 19.0])
+    turned = 2 * np.pi * np.outer(place, cycles)
+    basis = np.concatenate([np.cos(turned), np.sin(turned)], axis=1)
+    sizes = np.linalg.lstsq(basis, 0.06 * np.cos(2 * np.pi * 19.06 * place + 1.0), rcond=None)[0]
+    lines = SlowLines(0.0, cycles, sizes[:3], sizes[3:])
+    assert float(np.max(np.hypot(sizes[:3], sizes[3:]))) > 0.1
+    alone = SlowLines(0.0, np.array([19.06]), np.array([0.06 * np.cos(1.0)]), np.array([-0.06 * np.sin(1.0)]))
+    assert lines.mean_at(place) == pytest.approx(alone.mean_at(place), abs=2e-5)
