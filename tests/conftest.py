@@ -63,7 +63,7 @@ LONGEST_FIRST: Final = (
     "tests/unit/analysis/test_coverage.py",
     "tests/emulated/test_control_rates.py",
     "tests/unit/acceptance/test_suite.py",
-    "tests/unit/analysis/noise/test_noise.py",
+    "tests/unit/analysis/noise/test_noise_of_lines.py",
     "tests/unit/analysis/steps/test_step_peaks.py",
     "tests/unit/analysis/responses/test_gain_at_rest.py",
     "tests/unit/analysis/lines/test_lines.py",

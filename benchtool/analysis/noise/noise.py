@@ -143,15 +143,16 @@ def noise_floor(
         variances.append(variance)
     shares = np.array([band.stop - band.start for band in bands]) / len(bins)
     total = float(np.average(powers, weights=shares))
-    # half of the relative error of a power is that of the amplitude
-    relative = math.sqrt(float(shares**2 @ np.array(variances))) / total if total > 0.0 else 0.0
-    dof = 2.0 / relative**2 if relative > 0.0 else math.inf
-    amplitude = math.sqrt(total)
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
-    of_leakage = 0.5 * leaked / (total * len(bins)) if total > 0.0 else 0.0
-    least = _without_low_bands(powers, shares) if has_moved and total > 0.0 else 1.0
+    if not total > 0.0:
+        return NoiseFloor(0.0, bin_Hz, len(bins), 0.0, math.inf)
+    relative = math.sqrt(float(shares**2 @ np.array(variances))) / total
+    # half of the relative error of a power is that of the amplitude
+    of_leakage = 0.5 * leaked / (total * len(bins))
     of_bins = math.hypot(relative_to_found(relative), of_leakage)
+    least = _without_low_bands(powers, shares) if has_moved else 1.0
     over_time = noise_over_time(spectrum.phasor, _quiet(spectrum, bins, bands, powers))
+    amplitude, dof = math.sqrt(total), 2.0 / relative**2
     return NoiseFloor(amplitude, bin_Hz, len(bins), of_bins, dof, least, over_time=over_time)
 
 
@@ -261,11 +262,11 @@ def followed_bins(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]
     """Return how many bins to either side of the fundamental have clearly less in quadrature than in phase:
     up to the first few of which half is there."""
     count = len(in_phase) // _FEWEST_BINS
-    ends = np.arange(count) * _FEWEST_BINS
     if not count:
         return 0
-    kept = np.add.reduceat(quadrature[: count * _FEWEST_BINS], ends)
-    whole = np.add.reduceat(in_phase[: count * _FEWEST_BINS], ends)
+    kept, whole = (
+        np.sum(each[: count * _FEWEST_BINS].reshape(count, -1), axis=1) for each in (quadrature, in_phase)
+    )
     if _CLEARLY * kept[0] >= whole[0]:
         return 0
     recovers = np.flatnonzero(2.0 * kept >= whole)

@@ -1,8 +1,7 @@
-"""The noise floor against noise of known size, and the uncertainties made from it against what they claim."""
+"""The noise floor against noise of known size, and its uncertainty against what it claims."""
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 
@@ -14,7 +13,6 @@ from benchmarks.coverage.noise import coloured
 from benchtool.analysis import (
     CoherentSamples,
     CoherentSpectrum,
-    Measurement,
     coherent_spectrum,
     current_spectrum,
     harmonic_noise,
@@ -22,17 +20,19 @@ from benchtool.analysis import (
     noise_floor,
     total_harmonic_distortion,
     track_angle,
-    track_tone,
 )
 from benchtool.analysis.coherent.spectrum import spectrum_of as spectrum_of_samples
-from benchtool.analysis.noise.converter_lines import aliased_quantisation
-from benchtool.analysis.noise.noise import relative_to_found
-from benchtool.analysis.noise.noise_of_lines import hann_quadrature, line_noise, noise_at_lines
-from benchtool.analysis.spectra.line_errors import line_errors
-from benchtool.analysis.uncertainty import combined
+from benchtool.analysis.noise.noise import (
+    MEDIAN_OF_RMS,
+    NoiseFloor,
+    followed_bins,
+    relative_to_found,
+    sidebands,
+)
+from benchtool.analysis.noise.noise_over_time import NoiseOverTime, noise_over_time
+from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.block import Block, Channel
-from tests.at_length import at_length
-from tests.unit.analysis.noise.lines_in_noise import RATE_HZ, SAMPLES, SIGMA, spectrum_of
+from tests.unit.analysis.noise.lines_in_noise import RATE_HZ, SIGMA, spectrum_of
 
 Array = NDArray[np.float64]
 
@@ -175,59 +175,6 @@ def test_an_amplitude_scatters_by_its_uncertainty() -> None:
         assert np.sqrt(np.mean(np.square(claimed))) == pytest.approx(np.std(amplitudes), rel=0.2)
 
 
-@pytest.mark.parametrize(("samples", "frequency_Hz"), [(1_000, 97.3), *at_length((4_000, 411.0))])
-def test_no_frequency_from_a_noisy_tone_is_surer_than_the_cramer_rao_bound(
-    samples: int, frequency_Hz: float
-) -> None:
-    """Of amplitude 1 in white noise of rms 0.05: no unbiased estimate has less than 24 sigma^2 / n^3."""
-    omega, claimed = 2 * np.pi * frequency_Hz / RATE_HZ, []
-    for seed in range(20):
-        noise = np.random.default_rng(seed).normal(0.0, 0.05, samples)
-        current = np.cos(omega * np.arange(samples)) + noise
-        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, current[:, np.newaxis])
-        spectrum = current_spectrum(block, "i_a", track_tone(current, "i_a"))
-        (frequency,) = (each for each in spectrum.measurements if each.name == "fundamental_frequency")
-        assert frequency.uncertainty is not None
-        claimed.append(frequency.uncertainty.standard)
-
-    bound = math.sqrt(24.0 * 0.05**2 / samples**3) * RATE_HZ / (2 * np.pi)
-    assert np.mean(claimed) > 0.95 * bound
-
-
-def test_two_lengths_of_one_record_agree_within_their_uncertainty() -> None:
-    def thd(samples: int) -> dict[str, Measurement]:
-        theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
-        noise = np.random.default_rng(samples).normal(0.0, 0.36, samples)
-        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, (np.cos(theta_e) + noise)[:, np.newaxis])
-        spectrum = current_spectrum(block, "i_a", track_angle(theta_e, 1), current_rated_A_rms=1.0)
-        return {each.name: each for each in spectrum.measurements}
-
-    short, long = thd(4_065), thd(100_065)
-
-    for name in ("current_thd_f", "current_thd_r", "current_tdd", "current_thd_f_noise_corrected"):
-        one, two = short[name].uncertainty, long[name].uncertainty
-        assert one is not None
-        assert two is not None
-        assert abs(short[name].value - long[name].value) < 2.0 * math.hypot(one.standard, two.standard)
-        assert ("at most" in short[name].definition) == (name != "current_thd_f_noise_corrected")
-    assert short["current_thd_f"].value > 3.0 * long["current_thd_f"].value
-
-
-@pytest.mark.parametrize("frequency_Hz", [43.7, 97.3, *at_length(411.0)])
-def test_a_clean_tone_is_as_far_off_as_its_uncertainty_says(frequency_Hz: float) -> None:
-    theta_e = 2 * np.pi * frequency_Hz * np.arange(20_000, dtype=np.float64) / RATE_HZ
-    block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, 4.0 * np.cos(theta_e)[:, np.newaxis])
-
-    found = {each.name: each for each in current_spectrum(block, "i_a", track_angle(theta_e, 1)).measurements}
-
-    expected = {"current_fundamental": 4.0, "current_max_low_harmonic": 0.0, "current_thd_f": 0.0}
-    for name, value in expected.items():
-        uncertainty = found[name].uncertainty
-        assert uncertainty is not None
-        assert abs(found[name].value - value) < 2.0 * uncertainty.standard
-        assert uncertainty.standard < 1e-3
-
-
 def _spectrum(samples: Array, periods: int) -> CoherentSpectrum:
     return spectrum_of_samples(CoherentSamples(samples, periods, float(len(samples)), 1e4))
 
@@ -282,120 +229,224 @@ def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
     assert moved.amplitude == pytest.approx(still.amplitude, rel=0.1)
 
 
-def _swinging(seed: int, together: bool) -> CoherentSpectrum:
-    """Harmonics 5 and 7 and a fundamental whose amplitudes wander, with one another or each by itself."""
-    samples, random = 8_065, np.random.default_rng(seed)
-    theta_e = 2 * np.pi * 50.0 * np.arange(samples, dtype=np.float64) / RATE_HZ
-    own = [0.02 * coloured(random.standard_normal(samples), 0.999) for _ in range(3)]
-    lines = zip((1, 5, 7), (1.0, 0.05, 0.03), own[:1] * 3 if together else own, strict=True)
-    clean = sum(size * (1.0 + wander) * np.cos(order * theta_e) for order, size, wander in lines)
-    noise = random.normal(0.0, 1e-4, samples)
-    return coherent_spectrum(np.asarray(clean) + noise, RATE_HZ, track_angle(theta_e, 1))
+def _of_bins(square: Array, periods: int, seed: int = 0) -> CoherentSpectrum:
+    """Return a spectrum, 10 Hz a bin, whose bins have these squares, and phases at random."""
+    phasor = np.sqrt(square) * np.exp(2j * np.pi * np.random.default_rng(seed).random(len(square)))
+    return CoherentSpectrum(10.0 * np.arange(len(square)), np.abs(phasor), periods, 1e4, phasor)
 
 
-@pytest.mark.parametrize("together", [True, False])
-def test_what_modulates_all_lines_alike_is_not_in_their_ratio(together: bool) -> None:
-    found = [total_harmonic_distortion(_swinging(seed, together), 7) for seed in range(24)]
-
-    error = np.array([each.ratio for each in found]) - math.hypot(0.05, 0.03)
-    relative = error / np.array([each.standard for each in found])
-    assert 0.5 < np.sqrt(np.mean(relative**2)) < 1.6
-    assert np.sqrt(np.mean(error**2)) < (2e-4 if together else 1.0)
-
-
-def test_noise_that_rises_towards_a_line_goes_on_to_rise() -> None:
-    """Powers of eight pairs of bins, exponentially distributed about a Lorentz curve, and the line's own."""
-    distance = np.arange(1.0, 9.0)
-    for corner, least, most in ((math.inf, 0.85, 1.05), (3.35, 0.95, 1.25), (1.5, 1.1, 1.5)):
-        random = np.random.default_rng(7)
-        powers = random.exponential(1.0, (1500, 8)) / (1.0 + (distance / corner) ** 2)
-        standard = np.sqrt(noise_at_lines(powers))
-        relative = random.standard_normal(1500) / standard
-        assert least < np.sqrt(np.mean(relative**2)) < most
+def _between(square: Array, periods: int = 20) -> CoherentSpectrum:
+    """Return a spectrum with large harmonics, and these squares in turn where a floor is looked for."""
+    within = np.arange(2 * len(square) + 2 * periods) % periods
+    place = np.flatnonzero((within > 1) & (within < periods - 1))[: len(square)]
+    bins = np.where(within == 0, 1e3 * np.max(square), 0.0)[: place[-1] + 1]
+    bins[place] = square
+    return _of_bins(bins, periods)
 
 
-def test_a_frequency_is_as_certain_as_its_window_makes_it() -> None:
-    """A dc that decays leaks into the bins of a rectangular window, and hardly moves a fit under Hann's."""
-    time_s = np.arange(12_000) / RATE_HZ
-    noise = np.random.default_rng(3).normal(0.0, 1e-3, len(time_s))
-    tone = np.cos(2 * np.pi * 20.0 * time_s + 1.0) + noise
-    stated = []
-    for dc in (0.0, 0.3):
-        values = tone + dc * np.exp(-time_s / 0.1)
-        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, values[:, np.newaxis])
-        found = current_spectrum(block, "i_a", track_tone(values)).measurements[0]
-        assert found.uncertainty is not None
-        assert abs(found.value - 20.0) < 4.0 * found.uncertainty.standard
-        stated.append(found.uncertainty.standard)
-    assert stated[1] < 3.0 * stated[0]
+def _floor(spectrum: CoherentSpectrum, *orders: float, has_moved: bool = False) -> NoiseFloor:
+    found = noise_floor(spectrum, *orders, has_moved=has_moved)
+    assert found is not None
+    return found
 
 
-def test_steps_that_fold_beside_the_fundamental_are_in_its_frequency() -> None:
-    """A period of 578.03 samples: orders 577 and 579 of the steps are 0.8 bins from the fundamental."""
-    relative = []
-    for seed in range(12):
-        random = np.random.default_rng(seed)
-        time_s = np.arange(13_988) / RATE_HZ
-        values = np.cos(2 * np.pi * 17.3 * time_s + random.uniform(0, 6.28))
-        values += random.normal(0.0, 3e-4, len(time_s))
-        step = 2.04 / 256
-        values = np.round(values / step + random.uniform()) * step
-        block = Block((Channel("i_a", "A"),), 0, 1, 1 / RATE_HZ, values[:, np.newaxis])
-        found = current_spectrum(block, "i_a", track_tone(values)).measurements[0]
-        assert found.uncertainty is not None
-        relative.append((found.value - 17.3) / found.uncertainty.standard)
-    assert 0.4 < np.sqrt(np.mean(np.square(relative))) < 1.3
+def _median_of(count: int) -> float:
+    """Return the mean of the median of so many exponentially distributed values, H_n - H_(n/2)."""
+    upper = math.fsum(1.0 / each for each in range(count // 2 + 1, count + 1))
+    return upper if count % 2 else upper + 1.0 / count
 
 
-@pytest.mark.parametrize("phase_rad", [0.3, 1.0, 2.2])
-def test_sidebands_act_on_amplitude_or_phase_whatever_the_phase_of_the_line(phase_rad: float) -> None:
-    theta_e = 2 * np.pi * 50.0 * np.arange(SAMPLES, dtype=np.float64) / RATE_HZ
-    bins = np.zeros(SAMPLES // 2 + 1, dtype=np.complex128)
-    bins[1:25] = np.exp(2j * np.pi * np.random.default_rng(4).random(24))
-    slow = np.fft.irfft(bins, SAMPLES)
-    slow *= SIGMA / np.std(slow)
-    quadratures = []
-    for amplitude, moved_rad, acts, rests in ((slow, 0.0, 0, 1), (0.0, slow, 1, 0)):
-        signal = (1.0 + amplitude) * np.cos(theta_e + phase_rad + moved_rad)
-        spectrum = coherent_spectrum(signal, RATE_HZ, track_angle(theta_e, 1))
-        noise = line_noise(spectrum, np.array([spectrum.periods]))
-        found = float(noise.in_phase[0]), float(noise.quadrature[0])
-        # of 24 sinusoids each is in two bins, of half its amplitude each
-        assert found[acts] == pytest.approx(SIGMA / math.sqrt(24.0), rel=0.35)
-        assert found[rests] < 0.1 * found[acts]
-        quadratures.append(hann_quadrature(spectrum).standard)
-    assert quadratures[0] < 0.1 * quadratures[1]
+def _quantiles(count: int, seed: int = 0) -> Array:
+    """Return values of an exponential distribution of mean 1, each as likely, in random order."""
+    return np.random.default_rng(seed).permutation(-np.log((np.arange(count) + 0.5) / count))
 
 
-@pytest.mark.parametrize("periods", [2, *at_length(3, 5)])
-def test_the_interval_of_an_amplitude_of_few_periods_holds_it_as_often_as_stated(periods: int) -> None:
-    """Few pairs of bins count in the standard uncertainty, and not once more in the factor k."""
-    random, bins, held = np.random.default_rng(3), np.arange(12 * periods + 1), 0
-    for _ in range(600):
-        noise = 1e-3 * random.standard_normal((2, len(bins)))
-        phasor = noise[0] + 1j * noise[1] + (bins == periods)
-        spectrum = CoherentSpectrum(bins * 50.0 / periods, np.abs(phasor), periods, 1e4, phasor)
-        uncertain = combined(line_errors(spectrum, 3).budget(0), "")
-        assert uncertain is not None
-        assert json.loads(json.dumps([each.to_json() for each in uncertain.budget]))
-        held += abs(float(np.abs(phasor[periods])) - 1.0) < uncertain.expanded
-    assert held / 600 == pytest.approx(0.96, abs=0.022)
+def test_a_floor_may_be_of_either_of_two_levels() -> None:
+    """Of 2 with a probability of a quarter, else of 1.2: 1.4 on average, and sqrt(3) / 4 of 0.8 from that."""
+    over_time = NoiseOverTime(MeanError(0.2, 7.0), 0.8)
+    floor = NoiseFloor(2.0, 10.0, 40, 0.03, 50.0, least=0.6, all_noise=0.25, over_time=over_time)
+    assert floor.amplitude == pytest.approx(1.4)
+    assert floor.standard == pytest.approx(1.4 / math.sqrt(2.0))
+    assert floor.density == pytest.approx(1.4 / math.sqrt(20.0))
+    assert floor.of_rest == pytest.approx(math.sqrt(3.0) / 4.0 * 0.8 / 1.4)
+    assert floor.relative_error == pytest.approx(math.hypot(0.03, floor.of_rest))
+    assert floor.by_time == MeanError(relative_to_found(0.2), 7.0)
+    certain = NoiseFloor(2.0, 10.0, 40, 0.03, 50.0)
+    assert (certain.amplitude, certain.relative_error, certain.by_time.standard) == (2.0, 0.03, 0.0)
 
 
-def test_three_periods_have_no_pairs_under_a_hann_window() -> None:
-    assert math.isnan(hann_quadrature(spectrum_of({1: 1.0}, 1, 700)).standard)
+def test_orders_are_whole_and_eight_bins_are_a_floor() -> None:
+    """Twelve periods have nine bins between two harmonics, here of a level that is four times that before."""
+    order, within = np.divmod(np.arange(60), 12)
+    spectrum = _of_bins(np.where((within < 2) | (within > 10), 99.0, 16.0**order), 12)
+    for first, last, level in ((1.0, 2.0, 4.0), (2.6, 2.9, 16.0), (4.0, 9.0, 256.0)):
+        floor = _floor(spectrum, first, last)
+        assert floor.bins == 9
+        assert floor.bin_Hz == 10.0
+        assert floor.amplitude == pytest.approx(level / math.sqrt(_median_of(9)))
+    for size, is_floor in ((48 + 10, True), (48 + 9, False)):
+        short = replace(spectrum, amplitude=spectrum.amplitude[:size], phasor=spectrum.phasor[:size])
+        assert (noise_floor(short, 4.0) is not None) is is_floor
 
 
-def test_steps_fold_the_nearer_to_a_line_the_less_they_move_it() -> None:
-    """A period of nearly 578 samples: orders 577 and 579 fold to 0.12 and 0.48 bins beside."""
+@pytest.mark.parametrize(("line", "is_line"), [(6.0, False), (14.0, True)])
+def test_lines_are_left_out_of_the_median(line: float, is_line: bool) -> None:
+    """Of 28 bins five have lines: the median is between the 14th and 15th of all, or the 12th of the rest."""
+    square = np.sort(_quantiles(28))
+    power = 0.5 * (square[13] + square[14]) / _median_of(28)
+    square[-5:] = line * power
+    power = square[11] / _median_of(23) if is_line else power
+    floor = _floor(_between(1e-6 * np.random.default_rng(3).permutation(square)))
+    assert floor.bins == 28
+    assert floor.amplitude == pytest.approx(1e-3 * math.sqrt(power))
 
-    def aliased(per_period: float) -> Array:
-        theta_e = 2 * np.pi * np.arange(round(24.3 * per_period), dtype=np.float64) / per_period
-        spectrum = coherent_spectrum(np.cos(theta_e + 0.3), RATE_HZ, track_angle(theta_e, 1))
-        return aliased_quantisation(spectrum, 2.04 / 256, 2)
 
-    near, far = aliased(578.005), aliased(578.02)
-    assert np.all(near > 0.0)
-    assert np.all(near < 0.7 * far)
-    assert aliased(577.995) == pytest.approx(near, rel=0.2)
-    assert np.all(aliased(578.0) == 0.0)
+@pytest.mark.parametrize("lines", [False, True])
+@pytest.mark.parametrize("exponent", [-2.0, 3.0])
+def test_noise_in_proportion_to_a_power_of_frequency_is_its_mean(exponent: float, lines: bool) -> None:
+    """In one band, from bin 2 on: lines in four of 26 bins are told from the slope, where they are large."""
+    place = np.delete(np.arange(2, 31), [17, 18, 19])  # bins next to the fundamental of 20 periods
+    shape = place**exponent
+    square = np.where(np.arange(26) % 7 == 5, 300.0, 1.0) * shape if lines else shape
+    floor = _floor(_between(square))
+    assert floor.bins == 26
+    assert floor.amplitude**2 == pytest.approx(np.mean(shape), rel=1e-9 if not lines else 0.3)
+    if lines:
+        return
+    # half of as many squares as hold most of the power, and of twice that, as these do not scatter
+    of_shape = max(1.5, np.sum(shape) ** 2 / float(shape @ shape))
+    alike = max(1.5, 2.0 * np.sum(shape) ** 2 / float(shape @ shape) - 1.0)
+    assert 2.0 / floor.dof == pytest.approx(0.5 / alike + 0.5 / of_shape)
+    assert floor.of_bins == pytest.approx(relative_to_found(math.sqrt(2.0 / floor.dof)))
+
+
+@pytest.mark.parametrize("exponent", [-3.0, 8.0])
+def test_bands_of_a_slope_go_by_those_around(exponent: float) -> None:
+    """Lines of a thousand times the noise are in one of ten bins."""
+    place = np.arange(340)
+    place = place[(place % 20 > 1) & (place % 20 < 19)]
+    shape = place.astype(np.float64) ** exponent
+    lined = np.where(np.arange(len(place)) % 10 == 6, 1e3, 1.0) * shape
+    plain, floor = (_floor(_between(each), 1.0) for each in (shape, lined))
+    truth = np.mean(shape[place > 20])
+    assert plain.amplitude**2 == pytest.approx(truth, rel=0.02)
+    assert floor.amplitude**2 == pytest.approx(truth, rel=0.02)
+
+
+def test_squares_in_random_order_have_no_slope() -> None:
+    for seed in range(5):
+        square = _quantiles(30, seed)
+        power = 0.5 * float(np.sum(np.sort(square)[14:16])) / _median_of(30)
+        floor = _floor(_between(square))
+        assert floor.amplitude == pytest.approx(math.sqrt(power))
+        # a median scatters by 1 / sqrt(n) of that of an exponential, which is ln 2 of its mean
+        assert floor.dof == pytest.approx(2.0 * 30 * math.log(2.0) ** 2)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1.0, 1.0), (4.0, 1.0), (1.0, 4.0)])
+def test_bands_of_sixteen_bins_have_levels_of_their_own(low: float, high: float) -> None:
+    """Of forty bins 16 and 24: one level is told by the median, two that do not scatter by the mean."""
+    floor = _floor(_between(np.repeat([low, high], [16, 24])), has_moved=True)
+    if low == high:
+        low, high = low / _median_of(16), high / _median_of(24)
+    total = 0.4 * low + 0.6 * high
+    assert floor.highest == pytest.approx(math.sqrt(total))
+    assert floor.least == pytest.approx(min(1.0, math.sqrt(high / total)))
+
+
+def test_bins_more_than_half_of_which_are_empty_have_no_floor() -> None:
+    square = np.where(np.arange(60) % 5 == 2, 1.0 + np.arange(60.0), 0.0)
+    for count in (20, 30, 60):
+        floor = _floor(_between(square[:count]), has_moved=True)
+        assert (floor.amplitude, floor.relative_error, floor.dof) == (0.0, 0.0, math.inf)
+        assert (floor.bins, floor.bin_Hz) == (count, 10.0)
+
+
+def test_all_bins_that_are_neither_harmonics_nor_lines_tell_the_course_of_noise() -> None:
+    random = np.random.default_rng(5)
+    bins = np.arange(20 * 41 + 1)
+    square = np.where(bins % 20 > 0, random.exponential(1.0, len(bins)), 1e4)
+    square[[205, 408]] = 100.0  # lines
+    square[[239, 361]] = 30.0, 3.0  # beside harmonics
+    spectrum = _of_bins(square, 20)
+    expected = bins[22:799]
+    expected = expected[(expected % 20 > 0) & ~np.isin(expected, [205, 408, 239])]
+    floor = _floor(spectrum, 1.0, 40.0)
+    assert floor.over_time == noise_over_time(spectrum.phasor, expected)
+    assert floor.over_time != NoiseFloor(1.0, 10.0, 40, 0.1, 50.0).over_time
+
+
+@pytest.mark.parametrize(("order", "reach", "sides"), [(1, 79, 1), (3, 39, 2)])
+def test_sidebands_that_only_turn_the_phase_leak_beyond_what_is_seen(
+    order: int, reach: int, sides: int
+) -> None:
+    """Of a power c / d^2 at a distance d: up to half a harmonic away it is no noise, and of what is beyond,
+    c / reach to either side, half is the error of the amplitude."""
+    bins, c, noise = np.arange(80 * 10), 4e-3, 1e-3 * np.exp(0.25j * np.pi)  # as much in phase as across
+    floors = []
+    for power in (0.0, c):
+        phasor = np.where(bins % 80 == 0, 1.0, noise)
+        away = np.maximum(np.abs(bins - 80 * order), 1)
+        turned = np.sqrt(noise.imag**2 + power / away**2)
+        phasor.imag = np.where((phasor.imag > 0.0) & (away <= reach), turned, phasor.imag)
+        floors.append(_floor(CoherentSpectrum(10.0 * bins, np.abs(phasor), 80, 1e4, phasor)))
+    still, moved = floors
+    assert moved.amplitude == pytest.approx(still.amplitude, rel=0.01)
+    of_leaks = 0.5 * sides * c / reach / (still.amplitude**2 * still.bins)
+    assert math.sqrt(moved.of_bins**2 - still.of_bins**2) == pytest.approx(of_leaks, rel=0.05)
+
+
+def test_the_noise_in_quadrature_that_a_phase_took_along_counts() -> None:
+    """Within 16 bins of the fundamental a fifth of the amplitude: twice what is in phase stands for both."""
+    bins, noise = np.arange(160), 1e-3 * np.exp(0.25j * np.pi)
+    phasor = np.where(bins % 80 == 0, 1.0, noise * 10.0 / (10.0 + np.abs(bins - 80.0)))
+    still = CoherentSpectrum(10.0 * bins, np.abs(phasor), 80, 1e4, phasor)
+    taken = phasor.copy()
+    taken.imag[(np.abs(bins - 80) <= 16) & (bins != 80)] *= 0.2
+    followed = replace(still, phasor=taken, amplitude=np.abs(taken))
+    plain, found = noise_floor(still), noise_floor(followed, follows_signal=True)
+    assert plain is not None
+    assert found is not None
+    assert found.amplitude == pytest.approx(plain.amplitude, rel=1e-9)
+    assert found.relative_error == pytest.approx(plain.relative_error, rel=1e-9)
+    assert _floor(followed).amplitude < 0.95 * plain.amplitude
+
+
+def test_around_a_harmonic_is_as_many_orders_as_hold_twenty_bins() -> None:
+    """Twelve periods have nine bins between harmonics: two to either side, here of an amplitude that rises
+    evenly. Beside the first and the last harmonics there are fewer, at least eight."""
+    place = np.arange(12 * 9 + 10)
+    found = harmonic_noise(_of_bins(place**2.0, 12), 12)
+    place = place[(place % 12 > 1) & (place % 12 < 11)]
+    median = np.array([np.median(place[np.abs(place - 12 * order) < 24]) for order in range(1, 12)])
+    assert median[3] == 4 * 12  # by symmetry
+    np.testing.assert_allclose(found[:11], median / MEDIAN_OF_RMS / math.sqrt(2.0))
+    assert math.isnan(found[11])
+
+
+def test_a_pair_of_sidebands_is_in_phase_or_in_quadrature() -> None:
+    """Of 2 (1 + 2 m cos(w t)) cos(t + 0.7) each is m; of a phase that swings by 2 m, j m."""
+    for sideband, in_phase, quadrature in ((0.3, 0.36, 0.0), (0.3j, 0.0, 0.36)):
+        bins = np.zeros(20, dtype=complex)
+        bins[10], bins[13], bins[7] = 2.0, sideband, -np.conj(sideband) if sideband.imag else sideband
+        found = sidebands(bins * np.exp(0.7j), 10, 5)
+        np.testing.assert_allclose(found[0], [0.0, 0.0, in_phase, 0.0, 0.0], atol=1e-12)
+        np.testing.assert_allclose(found[1], [0.0, 0.0, quadrature, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kept", "bins"),
+    [
+        ([0.1] * 16 + [1.0] * 24, 16),  # of five parts of eight the third has as much in quadrature
+        ([0.1] * 16 + [0.55] * 8 + [1.0] * 16, 16),
+        ([0.1] * 16 + [0.45] * 8 + [1.0] * 16, 24),
+        ([0.1] * 43, 40),  # none: all whole parts
+        ([0.2] * 40, 0),  # a sixth may be chance
+        ([0.15] * 8 + [1.0] * 8, 8),
+        ([0.0] * 7, 0),
+    ],
+)
+def test_a_phase_took_the_noise_in_quadrature_along_up_to_where_half_is_there(
+    kept: list[float], bins: int
+) -> None:
+    assert followed_bins(np.full(len(kept), 3.0), 3.0 * np.array(kept)) == bins
