@@ -33,7 +33,6 @@ _FEWEST_TO_SCATTER = 4  # powers
 _BESIDE_STEPS = 2.0  # times what errors of steps come to that are white
 _MANY_PERIODS = 32  # in which a phase moves so slowly that differences hardly show what is left of it
 _PARTLY = 0.25  # of the distance between two levels
-_HARDLY = 100.0  # exponent of a probability of zero
 _GUARD = 2  # bins beside a line, or dc, from where on they count
 _IMAGE = 0.2  # of sidebands of a ramp, those of its image at the negative frequency, in quadrature to it
 _ONE_LINE_IN = 10  # pairs of sidebands, in which a phase that swings may be
@@ -156,13 +155,13 @@ def _all_noise(least: float, ratio: float, standard: float) -> float:
     A rest of a phase may be partly in that estimate too: so much of the distance counts as uncertain.
     """
     variance = standard**2 + (_PARTLY * (1.0 - least)) ** 2
-    exponent = 0.5 * ((ratio - 1.0) ** 2 - (ratio - least) ** 2) / variance
-    return 1.0 / (1.0 + math.exp(min(exponent, _HARDLY)))
+    log_odds = 0.5 * ((ratio - least) ** 2 - (ratio - 1.0) ** 2) / variance
+    return 0.5 * (1.0 + math.tanh(0.5 * log_odds))
 
 
 def _differences(samples: CoherentSamples) -> _Differences | None:
     """Return what second differences of successive periods tell of the noise from order 1 on; None where they
-    are too few to tell a step from it."""
+    are too few to tell a step from it, or have nothing in most of the record."""
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
     square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
@@ -178,6 +177,8 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     of_each = np.mean(square, axis=1)
     order = np.argsort(of_each)
     usual = float(of_each[order[len(order) // 8]])  # a step is in three, and the least of many is low
+    if not usual > 0.0:
+        return None  # most of the record is silent
     quiet = square[order[: max(1, len(order) // 2)]]
     alike = _alike(quiet)
     kept = [index for index, each in enumerate(of_each) if not _is_more(each, usual, alike, _ALIKE)]

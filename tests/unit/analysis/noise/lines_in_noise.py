@@ -1,8 +1,9 @@
-"""Spectra of lines in white noise of known size."""
+"""Spectra of lines in white noise of known size, and of bins that are given."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis import CoherentSpectrum, coherent_spectrum, track_angle
 
@@ -17,3 +18,8 @@ def spectrum_of(content: dict[float, float], seed: int, samples: int = SAMPLES) 
     clean = np.sum([amplitude * np.cos(order * theta_e) for order, amplitude in content.items()], axis=0)
     noise = np.random.default_rng(seed).normal(0.0, SIGMA, samples)
     return coherent_spectrum(clean + noise, RATE_HZ, track_angle(theta_e, 1))
+
+
+def spectrum_of_bins(phasor: NDArray[np.complex128], periods: int, samples: float = 1e4) -> CoherentSpectrum:
+    """Bins, 10 Hz wide, over so many periods."""
+    return CoherentSpectrum(10.0 * np.arange(float(len(phasor))), np.abs(phasor), periods, samples, phasor)

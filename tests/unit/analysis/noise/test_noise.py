@@ -32,7 +32,7 @@ from benchtool.analysis.noise.noise import (
 from benchtool.analysis.noise.noise_over_time import NoiseOverTime, noise_over_time
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.block import Block, Channel
-from tests.unit.analysis.noise.lines_in_noise import RATE_HZ, SIGMA, spectrum_of
+from tests.unit.analysis.noise.lines_in_noise import RATE_HZ, SIGMA, spectrum_of, spectrum_of_bins
 
 Array = NDArray[np.float64]
 
@@ -95,7 +95,10 @@ def test_a_level_that_is_low_by_chance_is_off_by_more_of_itself(relative: float)
 
 
 def test_the_floor_scatters_by_what_it_says_of_itself() -> None:
-    floors = [noise_floor(spectrum_of({1: 1.0}, seed, 4000)) for seed in range(200)]
+    random, floors = np.random.default_rng(3), []
+    for _ in range(200):
+        noise = random.standard_normal((2, 1800))
+        floors.append(noise_floor(spectrum_of_bins(noise[0] + 1j * noise[1], 20)))
 
     amplitudes = [floor.amplitude for floor in floors if floor is not None]
     assert len(amplitudes) == 200
@@ -232,7 +235,7 @@ def test_what_moves_only_the_phase_of_the_fundamental_is_no_floor() -> None:
 def _of_bins(square: Array, periods: int, seed: int = 0) -> CoherentSpectrum:
     """Return a spectrum, 10 Hz a bin, whose bins have these squares, and phases at random."""
     phasor = np.sqrt(square) * np.exp(2j * np.pi * np.random.default_rng(seed).random(len(square)))
-    return CoherentSpectrum(10.0 * np.arange(len(square)), np.abs(phasor), periods, 1e4, phasor)
+    return spectrum_of_bins(phasor, periods)
 
 
 def _between(square: Array, periods: int = 20) -> CoherentSpectrum:
@@ -306,7 +309,7 @@ def test_lines_are_left_out_of_the_median(line: float, is_line: bool) -> None:
 def test_noise_in_proportion_to_a_power_of_frequency_is_its_mean(exponent: float, lines: bool) -> None:
     """In one band, from bin 2 on: lines in four of 26 bins are told from the slope, where they are large."""
     place = np.delete(np.arange(2, 31), [17, 18, 19])  # bins next to the fundamental of 20 periods
-    shape = place**exponent
+    shape = place.astype(np.float64) ** exponent
     square = np.where(np.arange(26) % 7 == 5, 300.0, 1.0) * shape if lines else shape
     floor = _floor(_between(square))
     assert floor.bins == 26
@@ -389,7 +392,7 @@ def test_sidebands_that_only_turn_the_phase_leak_beyond_what_is_seen(
         away = np.maximum(np.abs(bins - 80 * order), 1)
         turned = np.sqrt(noise.imag**2 + power / away**2)
         phasor.imag = np.where((phasor.imag > 0.0) & (away <= reach), turned, phasor.imag)
-        floors.append(_floor(CoherentSpectrum(10.0 * bins, np.abs(phasor), 80, 1e4, phasor)))
+        floors.append(_floor(spectrum_of_bins(phasor, 80)))
     still, moved = floors
     assert moved.amplitude == pytest.approx(still.amplitude, rel=0.01)
     of_leaks = 0.5 * sides * c / reach / (still.amplitude**2 * still.bins)
@@ -400,7 +403,7 @@ def test_the_noise_in_quadrature_that_a_phase_took_along_counts() -> None:
     """Within 16 bins of the fundamental a fifth of the amplitude: twice what is in phase stands for both."""
     bins, noise = np.arange(160), 1e-3 * np.exp(0.25j * np.pi)
     phasor = np.where(bins % 80 == 0, 1.0, noise * 10.0 / (10.0 + np.abs(bins - 80.0)))
-    still = CoherentSpectrum(10.0 * bins, np.abs(phasor), 80, 1e4, phasor)
+    still = spectrum_of_bins(phasor, 80)
     taken = phasor.copy()
     taken.imag[(np.abs(bins - 80) <= 16) & (bins != 80)] *= 0.2
     followed = replace(still, phasor=taken, amplitude=np.abs(taken))
@@ -415,8 +418,8 @@ def test_the_noise_in_quadrature_that_a_phase_took_along_counts() -> None:
 def test_around_a_harmonic_is_as_many_orders_as_hold_twenty_bins() -> None:
     """Twelve periods have nine bins between harmonics: two to either side, here of an amplitude that rises
     evenly. Beside the first and the last harmonics there are fewer, at least eight."""
-    place = np.arange(12 * 9 + 10)
-    found = harmonic_noise(_of_bins(place**2.0, 12), 12)
+    place = np.arange(12 * 9 + 10.0)
+    found = harmonic_noise(_of_bins(place**2, 12), 12)
     place = place[(place % 12 > 1) & (place % 12 < 11)]
     median = np.array([np.median(place[np.abs(place - 12 * order) < 24]) for order in range(1, 12)])
     assert median[3] == 4 * 12  # by symmetry

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy import signal
 
-from benchtool.analysis import CoherentSamples, noise_floor
+from benchtool.analysis import CoherentSamples, CoherentSpectrum, noise_floor
 from benchtool.analysis.coherent.spectrum import spectrum_of
 from benchtool.analysis.noise.noise import NoiseFloor
 from benchtool.analysis.noise.noise_of_periods import without_changes
+from benchtool.analysis.noise.noise_over_time import NoiseOverTime
+from benchtool.analysis.statistics.scatter import MeanError
+from tests.unit.analysis.noise.lines_in_noise import spectrum_of_bins
 
 _PER_PERIOD, _NOISE, _POLE = 48, 1e-3, 0.6
 _WOBBLE_RAD = 2e-2
+_OF_ONE = NoiseFloor(1.0, 10.0, 400, 0.03, 700.0)
 Floats = NDArray[np.float64]
 
 
@@ -238,3 +245,133 @@ def test_one_difference_of_three_periods_tells_no_step_from_noise(phase_rad: flo
     wave = np.where(place < 0.66, 1.0, 1.056) * np.cos(6 * np.pi * place + phase_rad)
     wave += _NOISE * np.random.default_rng(3).standard_normal(len(place))
     assert _floors(wave, 3)[1] is None
+
+
+def _beside(in_phase: Floats | float, quadrature: Floats | float, periods: int) -> CoherentSpectrum:
+    """Return a spectrum whose floor is 1, as much of it in phase with a fundamental as in quadrature: within
+    an order of that so much of each, from the nearest bin on."""
+    bins = np.arange(periods * 21 + 1)
+    parts = []
+    for power in (in_phase, quadrature):
+        of_bins = np.full(len(bins), math.log(2.0))  # the median of noise of this mean square
+        of_bins[periods + 1 : 2 * periods] = power
+        of_bins[1:periods] = of_bins[2 * periods - 1 : periods : -1]
+        parts.append(np.sqrt(0.5 * of_bins))
+    phasor = np.where(bins == periods, 1e3, parts[0] + 1j * parts[1])
+    return spectrum_of_bins(phasor, periods)
+
+
+def _white(periods: int, per_period: int = 48, seed: int = 0) -> Floats:
+    """Return samples of which a bin of the spectrum has a mean square of one."""
+    noise = np.random.default_rng(seed).standard_normal(periods * per_period)
+    return np.asarray(noise * np.sqrt(0.25 * len(noise)))
+
+
+def _apart(
+    spectrum: CoherentSpectrum, samples: Floats, given: NoiseFloor | None = _OF_ONE, **how: bool
+) -> NoiseFloor | None:
+    """Return the floor without changes by a spectrum and by samples that need not be those of it."""
+    of_samples = CoherentSamples(samples, spectrum.periods, float(len(samples)), 10e3)
+    return without_changes(given, spectrum, of_samples, **{"has_stepped": False} | how)
+
+
+@pytest.mark.parametrize(("evenness", "quantile"), [(1.0, 15.977), (0.5, 99.0)])
+def test_sidebands_change_where_a_ratio_of_variances_is_no_chance(evenness: float, quantile: float) -> None:
+    """The two pairs of three periods have four degrees of freedom, or two where the noise is uneven: of
+    F(4, 4) and F(2, 2) one in a hundred is above these (NIST/SEMATECH e-Handbook, 1.3.6.7.3)."""
+    floor = replace(_OF_ONE, over_time=NoiseOverTime(MeanError(0.0, math.inf), evenness))
+    for ratio, changes in ((0.97 * quantile, False), (1.03 * quantile, True)):
+        for each in (_beside(1.0, ratio, 3), _beside(ratio, 1.0, 3)):
+            assert _apart(each, _white(3), floor) == (None if changes else floor)
+
+
+def test_what_a_phase_took_along_is_no_change() -> None:
+    taken = _beside(1.0, np.repeat([0.02, 1.0], [24, 15]), 40)
+    quiet = 0.5 * _white(40)
+    assert _apart(taken, quiet, follows_signal=True) == _OF_ONE
+    found = _apart(taken, quiet)
+    assert found is not None
+    assert found.highest == pytest.approx(0.5, rel=0.05)
+
+
+@pytest.mark.parametrize("has_stepped", [False, True])
+def test_a_floor_is_that_of_differences_where_these_have_less(has_stepped: bool) -> None:
+    moved = _beside(1.0, 20.0, 40)
+    for size, is_less in ((0.8, True), (1.1, False)):
+        found = _apart(moved, size * _white(40), has_stepped=has_stepped)
+        assert found is not None
+        if not is_less:
+            assert found == _OF_ONE
+            continue
+        assert found.highest == pytest.approx(size, rel=0.05)
+        assert found.amplitude == found.highest
+        # second differences overlap: as many powers as (n - 2) / (35 / 18), of 21 orders
+        assert found.dof == pytest.approx(2.0 * 21 * 38 * 18 / 35, rel=0.2)
+
+
+def test_the_noise_below_the_first_order_is_in_the_two_orders_around_the_fundamental() -> None:
+    """As much in phase as in quadrature, it is twice what is in phase: two of 21.6 orders have 1 in place of
+    0.01. Less than a fifth of what is in quadrature may be the image of a ramp, and a line counts once."""
+    samples = 0.1 * _white(40)
+    for moved, is_image in ((4.0, False), (7.0, True)):
+        quadrature = np.full(39, moved)
+        quadrature[[7, 21]] = 1e3
+        in_phase = np.repeat([100.0, 1.0], [1, 38])
+        for sizes in ((in_phase, quadrature), (quadrature, in_phase)):
+            found = _apart(_beside(*sizes, 40), samples)
+            plain = _apart(_beside(*sizes, 40), samples, has_stepped=True)
+            assert found is not None
+            assert plain is not None
+            assert plain.highest == pytest.approx(0.1, rel=0.05)
+            more = 0.0 if is_image else 2.0 * (1.0 - 0.01) / 21.6
+            assert found.highest**2 == pytest.approx(plain.highest**2 + more, rel=1e-3)
+            # by the 37 pairs from the second on
+            of_both = 0.0 if is_image else (2.0 / 21.6 / found.highest**2) ** 2 / 37.0
+            assert 2.0 / found.dof == pytest.approx(of_both or 2.0 / plain.dof, rel=0.01)
+
+
+def test_the_odds_of_noise_go_by_the_distance_from_two_levels() -> None:
+    """Of normal distributions about 1 and 0.6, as wide as a quarter of their distance, the logarithm of the
+    odds is linear: 0.4 of a distance d from their middle over the variance."""
+    floor = replace(_OF_ONE, least=0.6)
+    of_few = _apart(_beside(1.0, 1.0, 31), 0.7 * _white(31), floor, follows_signal=True)
+    assert of_few == floor
+    log_odds = []
+    for size in (0.7, 0.8, 0.9):
+        found = _apart(_beside(1.0, 1.0, 32), size * _white(32), floor, follows_signal=True)
+        assert found is not None
+        assert replace(found, all_noise=0.5) == floor
+        log_odds.append(math.log(found.all_noise / (1.0 - found.all_noise)))
+    assert log_odds[1] == pytest.approx(0.0, abs=1.0)
+    assert np.diff(log_odds) == pytest.approx(0.4 * 0.1 / (0.1**2 + 0.026**2), rel=0.1)
+
+
+@pytest.mark.parametrize(("loud", "is_told"), [(2, True), (3, False)])
+def test_noise_in_bursts_is_no_step(loud: int, is_told: bool) -> None:
+    """Of 38 differences four may have more; a burst in so many periods is in two more of them."""
+    samples = 0.5 * _white(40).reshape(40, -1)
+    samples[20 : 20 + loud] *= 50.0
+    found = _apart(_beside(1.0, 20.0, 40), samples.ravel(), has_stepped=True)
+    assert (found is not None) is is_told
+
+
+@pytest.mark.parametrize(("periods", "is_told"), [(6, False), (7, True)])
+def test_a_step_in_the_middle_leaves_two_of_five_differences(periods: int, is_told: bool) -> None:
+    truth = 2.0 * _NOISE / math.sqrt(periods * _PER_PERIOD)
+    for found in _floors_of_steps(periods, 6, 0.49):
+        assert (found is not None) is is_told
+        assert found is None or found.amplitude == pytest.approx(truth, rel=0.25)
+
+
+def test_eight_samples_of_a_period_have_orders_to_tell_changes_by() -> None:
+    found = _apart(_beside(1.0, 20.0, 40), 0.5 * _white(40, 8), has_stepped=True)
+    assert found is not None
+    assert found.highest == pytest.approx(0.5, rel=0.1)
+
+
+@pytest.mark.parametrize("has_stepped", [False, True])
+def test_a_current_that_stops_has_no_floor(has_stepped: bool) -> None:
+    samples = _white(40) * (np.arange(40 * _PER_PERIOD) < 12 * _PER_PERIOD)
+    assert _apart(_beside(1.0, 20.0, 40), samples, has_stepped=has_stepped) is None
+    assert _apart(_beside(1.0, 1.0, 40), samples) == _OF_ONE
+    assert _apart(_beside(1.0, 1.0, 40), samples, None) is None
