@@ -65,6 +65,38 @@ def test_an_axis_without_steps_is_read_as_it_is() -> None:
     assert np.corrcoef(found.vectors.imag, beta)[0, 1] > 0.9999
 
 
+def test_the_size_of_steps_that_are_whole_powers_of_two_changes_nothing_else() -> None:
+    """Numbers that differ in their exponents alone."""
+    axes, scale = [_read(each, 0.3, seed) for seed, each in enumerate(_turning())], 2.0**-9
+    large = vectors_as_read(axes[0], axes[1], 3.0)
+    small = vectors_as_read(scale * axes[0], scale * axes[1], scale * 3.0)
+    for one, other in zip(large, small, strict=True):
+        for of_one, of_other in zip(one, other, strict=True):
+            assert np.array_equal(scale * of_one, of_other)
+
+
+def test_an_axis_whose_steps_noise_hides_is_read_as_it_is() -> None:
+    """Vectors are as much larger as smaller than those of the record: on average these."""
+    alpha, beta = _turning()
+    hidden = _read(alpha, 5.0, 1)
+    found = list(vectors_as_read(hidden, _read(beta, 0.3, 2), 3.0))
+    assert np.allclose(np.mean([each.vectors.real for each in found], axis=0), hidden)
+    assert all(np.array_equal(each.once.real, each.vectors.real) for each in found)
+    assert not np.array_equal(found[0].once.imag, found[0].vectors.imag)
+
+
+@pytest.mark.parametrize("turns", [4.0, 4.4])
+def test_the_noise_that_is_drawn_is_that_of_the_record(turns: float) -> None:
+    """Where turns are not whole, leaks of a line of many steps are more than the noise between lines."""
+    angle, errors = 2.0 * np.pi * turns * np.arange(400) / 400, []
+    for seed in range(6):
+        alpha = _read(400.0 * np.cos(angle), 0.6, 2 * seed)
+        found = next(vectors_as_read(alpha, _read(400.0 * np.sin(angle), 0.6, 2 * seed + 1), 3.0))
+        errors.append(np.mean(np.abs(found.once - found.vectors) ** 2))
+    # of two axes, noise and what it does not hide of the steps
+    assert np.mean(errors) == pytest.approx(2.0 * (0.6**2 + _STEP**2 / 12.0), rel=0.4)
+
+
 @pytest.mark.parametrize(("noise", "step", "largest"), [(5.0, 2.0, 3.0), (0.3, 2.0, 1.9), (0.3, 0.0, 3.0)])
 def test_steps_that_noise_hides_that_no_converter_has_and_none_are_not_drawn(
     noise: float, step: float, largest: float
