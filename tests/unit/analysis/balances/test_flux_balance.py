@@ -272,3 +272,127 @@ def test_the_error_of_a_prediction_in_noise_of_heavy_tails_is_known_as_its_squar
     error = found["flux_balance_error_rms"]
     assert error.uncertainty is not None
     assert error.uncertainty.standard > 1.5 * error.value / math.sqrt(2.0 * 3000)
+
+
+@cache
+def balanced() -> FluxBalance:
+    return flux_balance(turning(), EXAMPLE_MOTOR)
+
+
+def test_numbers_of_a_capture_are_those_of_its_vectors() -> None:
+    found, block = balanced(), turning()
+    a, b, c = (block.column(name) for name in ("i_a", "i_b", "i_c"))
+    assert found.omega_e_rad_s == pytest.approx(4 * 60.0, rel=1e-4)
+    assert found.current_A == pytest.approx(np.sqrt(2.0 / 3.0 * np.mean(a**2 + b**2 + c**2)), rel=1e-3)
+    # of three phases: the torque is the power of the back-EMF over the speed
+    salient = found.estimate._replace(L_d=5e-3, L_q=8e-3, psi_r=0.09, encoder_offset=0.2)
+    i_dq = found.ticks.measured_dq * np.exp(-0.2j)
+    torque = 1.5 * 4 * (0.09 + (5e-3 - 8e-3) * i_dq.real) * i_dq.imag
+    no_gains = salient._replace(current_gain_a=0.0, current_gain_b=0.0)
+    assert found.torque(no_gains, 4) == pytest.approx(torque)
+    assert len(found.squares_A2) == len(found.left_out) - np.count_nonzero(found.left_out)
+
+
+def test_what_a_capture_does_not_tell_is_as_it_was_believed() -> None:
+    belief = motor_with(R_s_ohm=0.15)
+    found = flux_balance(capture(Truth(), STEADY, 1000), belief)
+    assert not found.solution.told("R_s")
+    assert found.solution.told("dead_time_voltage") or found.estimate.dead_time_voltage == 0.0
+    assert found.estimate.R_s == 0.15
+    assert balanced().estimate.R_s == balanced().solution.value("R_s")
+    assert sum(found.solution.value(f"current_gain_{phase}") for phase in "abc") == pytest.approx(
+        0.0, abs=1e-12
+    )
+
+
+def test_unknowns_are_as_large_as_a_machine_of_this_rating_may_have_them() -> None:
+    """A twenty-fifth of the dc link for a voltage, and a thousandth of that for the drop of a resistance."""
+    found, voltage = balanced(), 0.04 * 100.0
+    expected = [0.1, 1e-2, 1e-2, 0.1, 0.4, voltage, 0.2, 0.2, voltage, voltage, 0.2]
+    assert found.solution.spans == pytest.approx(expected)
+    salient = flux_balance(turning(), motor_with(R_s_ohm=1e-9, L_d_H=8e-3, L_q_H=12e-3))
+    phases = np.stack([turning().column(name) for name in ("i_a", "i_b", "i_c")])
+    least = 1e-3 * voltage / np.sqrt(np.mean(phases**2))
+    assert salient.solution.spans[:3] == pytest.approx([least, 8e-3, 12e-3], rel=1e-3)
+
+
+def test_the_gain_of_a_phase_is_minus_those_of_the_others() -> None:
+    found = balanced().solution
+    a, b, c = (found.names.index(f"current_gain_{phase}") for phase in "abc")
+    assert found.values[c] == -found.values[a] - found.values[b]
+    for covariance in (found.covariance, found.certain):
+        of_both = covariance[a, a] + covariance[b, b] + 2.0 * covariance[a, b]
+        assert covariance[c, c] == pytest.approx(of_both)
+        assert covariance[c, 0] == pytest.approx(-covariance[a, 0] - covariance[b, 0])
+    assert found.bias[c] == math.hypot(found.bias[a], found.bias[b])
+
+
+@pytest.mark.parametrize("scale", [1.2, 0.85])
+def test_what_more_noise_moves_is_a_bias(scale: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Currents that are so many times as large in place of noise: resistance and inductances are smaller or
+    larger by as much, the flux of the rotor is as it is."""
+    added = []
+
+    def larger(ticks: Ticks, rms_A: float) -> Ticks:
+        added.append(rms_A)
+        return replace(ticks, phases=scale * ticks.phases)
+
+    monkeypatch.setattr(Ticks, "with_noise", larger)
+    noisy = capture(Truth(noise_A=0.05, step_A=1e-6), Excitation(speed_rad_s=60.0), 1500)
+    found = flux_balance(noisy, EXAMPLE_MOTOR).solution
+    assert added == pytest.approx([0.05], rel=0.05)
+    for place, name in enumerate(("R_s", "L_d", "L_q", "psi_r")):
+        moved = 0.0 if name == "psi_r" else abs(1.0 / scale - 1.0) * found.value(name)
+        scatter = math.sqrt(found.covariance[place, place])
+        assert found.bias[place] == pytest.approx(max(0.0, moved - 2.0 * scatter), rel=0.1, abs=0.3 * scatter)
+
+
+@pytest.mark.parametrize(
+    ("rows", "driven", "is_refused"), [(1200, 520, True), (2400, 900, False), (8000, 1300, True)]
+)
+def test_a_balance_needs_five_hundred_periods_and_a_sixth_of_all(
+    rows: int, driven: int, is_refused: bool
+) -> None:
+    """Those with a voltage, less some in which a phase current is close to zero."""
+    block = turning()
+    data = np.tile(block.data, (rows // len(block.data) + 1, 1))[:rows]
+    data[driven:, [block.names.index(name) for name in ("u_alpha", "u_beta")]] = 0.0
+    part = replace(block, data=data)
+    if is_refused:
+        with pytest.raises(AnalysisError, match="close to zero"):
+            flux_balance(part, EXAMPLE_MOTOR)
+    else:
+        assert 500 < len(flux_balance(part, EXAMPLE_MOTOR).squares_A2) < driven
+
+
+@pytest.mark.parametrize(("part", "is_refused"), [(0.02, False), (0.06, True)])
+def test_a_voltage_that_no_parameters_explain_is_told(part: float, is_refused: bool) -> None:
+    """So much of it more and less in turn, for a twentieth of a second each."""
+    block = turning()
+    more = 1.0 + part * np.where(np.arange(2000) // 250 % 2, 1.0, -1.0)
+    uneven = without(block, u_alpha=more * block.column("u_alpha"), u_beta=more * block.column("u_beta"))
+    if is_refused:
+        with pytest.raises(AnalysisError, match=r"% of the voltage are not explained"):
+            flux_balance(uneven, EXAMPLE_MOTOR)
+        return
+    rms_V = math.sqrt(float(np.mean(np.abs(block.column("u_alpha")) ** 2 + block.column("u_beta") ** 2)))
+    assert flux_balance(uneven, EXAMPLE_MOTOR).unexplained_V == pytest.approx(part * rms_V, rel=0.2)
+    assert balanced().unexplained_V < 0.1 * part * rms_V
+
+
+@pytest.mark.parametrize(("share", "is_refused"), [(0.14, True), (0.3, False)])
+def test_a_rotor_without_the_flux_that_is_believed_is_refused(share: float, is_refused: bool) -> None:
+    belief = motor_with(psi_r_Wb=0.1 / share)
+    if is_refused:
+        with pytest.raises(AnalysisError, match="no rotor flux turns"):
+            flux_balance(turning(), belief)
+    else:
+        assert flux_balance(turning(), belief).solution.value("psi_r") == pytest.approx(0.1, rel=0.01)
+
+
+@pytest.mark.parametrize("times", [0.2, 6.0])
+def test_a_belief_that_is_far_off_is_left_in_steps(times: float) -> None:
+    belief = motor_with(L_d_H=times * 1e-2, L_q_H=times * 1e-2, psi_r_Wb=0.15)
+    found = flux_balance(turning(), belief).solution
+    for name, true in (("L_d", 1e-2), ("L_q", 1e-2), ("psi_r", 0.1)):
+        assert found.value(name) == pytest.approx(true, rel=0.01), name
