@@ -26,7 +26,7 @@ class Motor:
 
 
 def swapped(first: int, last: int) -> int:
-    return divmod(first, last)[0] - -last
+    return divmod(first, last)[0] - -last + gcd(first, last)
 '''
 
 
@@ -39,7 +39,7 @@ def test_every_kind_of_change_is_made() -> None:
     assert "abs(i_a) -> i_a" in changes("dropped call")
     assert changes("other call") == {"min(i_a, 2.0 * i_b) -> max(i_a, 2.0 * i_b)"}
     assert "i_a -> i_b" in changes("neighbouring name")
-    assert "divmod(first, last) -> divmod(last, first)" in changes("swapped arguments")
+    assert changes("swapped arguments") == {"divmod(first, last) -> divmod(last, first)"}
     assert changes("sign") == {"-last -> last"}
     assert "self.count += 1 -> pass" in changes("removed assignment")
     assert {"3 -> 4", "3 -> 2", "0.0 -> 1.0", "2.0 -> 4.0"} <= changes("constant")

@@ -42,6 +42,7 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
 _DROPPED_CALLS = frozenset(
     {"abs", "round", "sorted", "min", "max", "minimum", "maximum", "wrapped", "limited"}
 )
+_SYMMETRIC_CALLS = frozenset({"hypot", "gcd"})
 _OTHER_CALLS = {"min": "max", "max": "min", "ceil": "floor", "floor": "ceil", "any": "all", "all": "any"}
 _KIN = (
     *(("a", "b"), ("b", "c"), ("c", "a"), ("d", "q"), ("q", "d"), ("alpha", "beta"), ("beta", "alpha")),
@@ -297,7 +298,7 @@ class _Collector(ast.NodeVisitor):
             called = deepcopy(node.func)
             setattr(called, "attr" if isinstance(called, ast.Attribute) else "id", _OTHER_CALLS[name])
             self._expression(node, "other call", ast.Call(called, node.args, []))
-        elif name not in _DROPPED_CALLS:
+        elif name not in _DROPPED_CALLS | _SYMMETRIC_CALLS:
             self._swapped(node)
         self.generic_visit(node)
 

@@ -186,9 +186,7 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     from_first, below = float(np.mean(of_each[kept])), float(np.mean(square[kept, : 1 + _BESIDE]))
     of_one, of_below = _AS_ONE / len(kept), 1.0 / samples.usable_order
     power = (1.0 - of_below) * from_first + of_below * below
-    variance = of_one / alike
-    if power > 0.0:
-        variance += (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
+    variance = of_one / alike + (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
     left_out = len(of_each) - len(kept)
     return _Differences(power, from_first, below, float(np.mean(of_each)), variance, left_out, len(of_each))
 
@@ -220,11 +218,8 @@ def _changes(spectrum: CoherentSpectrum, evenness: float, follows_signal: bool) 
     """Return whether sidebands of the fundamental are more in phase with it than in quadrature, or less, and
     not by chance: noise that is most in a part of the record, `evenness` of it, scatters by more. Those that
     a phase which follows the signal took along tell nothing."""
-    periods, bins = spectrum.periods, spectrum.phasor
-    reach = min(periods, len(bins) - periods) - 1
-    if reach < 2:
-        return False
-    in_phase, quadrature = sidebands(bins, periods, reach)
+    reach = spectrum.periods - 1
+    in_phase, quadrature = sidebands(spectrum.phasor, spectrum.periods, reach)
     first = followed_bins(in_phase, quadrature) if follows_signal else 0
     powers = float(np.sum(in_phase[first:])), float(np.sum(quadrature[first:]))
-    return first < reach and _is_more(max(powers), min(powers), evenness * (reach - first))
+    return _is_more(max(powers), min(powers), evenness * (reach - first))

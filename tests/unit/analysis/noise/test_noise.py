@@ -346,23 +346,41 @@ def test_squares_in_random_order_have_no_slope() -> None:
         assert floor.dof == pytest.approx(2.0 * 30 * math.log(2.0) ** 2)
 
 
-@pytest.mark.parametrize(("low", "high"), [(1.0, 1.0), (4.0, 1.0), (1.0, 4.0)])
+@pytest.mark.parametrize(("low", "high"), [(1.0, 1.0), (4.0, 1.0), (1.0, 4.0), (0.0, 1.0)])
 def test_bands_of_sixteen_bins_have_levels_of_their_own(low: float, high: float) -> None:
     """Of forty bins 16 and 24: one level is told by the median, two that do not scatter by the mean."""
     floor = _floor(_between(np.repeat([low, high], [16, 24])), has_moved=True)
-    if low == high:
+    if low in (0.0, high):  # beside a band without anything there is no slope
         low, high = low / _median_of(16), high / _median_of(24)
     total = 0.4 * low + 0.6 * high
     assert floor.highest == pytest.approx(math.sqrt(total))
     assert floor.least == pytest.approx(min(1.0, math.sqrt(high / total)))
 
 
+def test_the_median_stands_for_noise_that_hardly_changes_within_a_band() -> None:
+    """In bands of 16, 16 and 28 bins that begin at bin 202 the power rises in proportion to frequency."""
+    bins = np.arange(280.0)
+    between = bins[(bins > 200) & (bins % 20 > 1) & (bins % 20 < 19)][:60]
+    floor = _floor(_of_bins(bins[: int(between[-1]) + 1], 20), 10.0)
+    parts = ((0, 16), (16, 32), (32, 60))
+    powers = [
+        (last - first) * np.median(between[first:last]) / _median_of(last - first) for first, last in parts
+    ]
+    assert floor.bins == 60
+    assert floor.amplitude**2 == pytest.approx(np.sum(powers) / 60.0)
+
+
 def test_bins_more_than_half_of_which_are_empty_have_no_floor() -> None:
-    square = np.where(np.arange(60) % 5 == 2, 1.0 + np.arange(60.0), 0.0)
+    square = np.where(np.arange(60) % 5 < 2, (1.0 + np.arange(60.0)) ** 4, 0.0)
     for count in (20, 30, 60):
         floor = _floor(_between(square[:count]), has_moved=True)
         assert (floor.amplitude, floor.relative_error, floor.dof) == (0.0, 0.0, math.inf)
         assert (floor.bins, floor.bin_Hz) == (count, 10.0)
+
+
+def test_seven_bins_that_have_something_tell_no_slope() -> None:
+    square = np.append([0.0, 0.0], np.arange(8.0, 1.0, -1.0) ** 2)
+    assert _floor(_between(square, 8)).amplitude == pytest.approx(math.sqrt(4.0**2 / _median_of(9)))
 
 
 def test_all_bins_that_are_neither_harmonics_nor_lines_tell_the_course_of_noise() -> None:

@@ -369,9 +369,61 @@ def test_eight_samples_of_a_period_have_orders_to_tell_changes_by() -> None:
     assert found.highest == pytest.approx(0.5, rel=0.1)
 
 
+def _in_order(order: int, phasors: Floats) -> Floats:
+    """Return samples that have one order alone, of these phasors in successive periods."""
+    turned = 2.0 * np.pi * order * np.arange(_PER_PERIOD) / _PER_PERIOD
+    return np.asarray(np.outer(phasors, np.cos(turned)).ravel())
+
+
+def test_below_the_first_order_is_as_much_as_in_the_mean_of_the_first_three() -> None:
+    """Of 21.6 orders, as the orders from 1 to 21 stand for 20.6."""
+    phasors, moved = np.tile([1.0, -1.0], 20), _beside(1.0, 20.0, 40)
+    power = {}
+    for order in (2, 3, 4, 21):
+        found = _apart(moved, _in_order(order, phasors), has_stepped=True)
+        assert found is not None
+        power[order] = found.highest**2
+    assert power[21] == pytest.approx(power[4])
+    for order in (2, 3):
+        assert power[order] / power[4] == pytest.approx(1.0 + (1.0 / 3.0) / (20.6 / 21.0))
+
+
+def test_noise_of_the_amplitude_alone_is_none_of_the_floor() -> None:
+    """What the fundamental has more than the orders beside it."""
+    moved, samples = _beside(1.0, 20.0, 40), 0.5 * _white(40)
+    swings = _in_order(1, np.random.default_rng(5).standard_normal(40))
+    still, found = (_apart(moved, each, has_stepped=True) for each in (samples, samples + swings))
+    assert still is not None
+    assert found is not None
+    assert found.highest == pytest.approx(still.highest, rel=0.02)
+
+
+def test_five_differences_of_one_order_are_enough() -> None:
+    """They overlap, as 5 / (35 / 18) of them, and are of one size."""
+    found = _apart(_beside(1.0, 20.0, 7), _in_order(5, np.tile([1.0, -1.0], 4)[:7]), has_stepped=True)
+    assert found is not None
+    assert found.dof == pytest.approx(2.0 * (5.0 * 18.0 / 35.0 + 1.0))
+
+
+def test_bursts_are_noise_of_a_phase_that_was_followed() -> None:
+    floor, samples = replace(_OF_ONE, least=0.6), 0.6 * _white(40).reshape(40, -1)
+    odds = []
+    for loud in (1, 4):  # a burst in one period may be a step
+        bursts = samples.copy()
+        bursts[10 : 10 + loud] *= 4.0
+        found = _apart(_beside(1.0, 1.0, 40), bursts.ravel(), floor, follows_signal=True)
+        assert found is not None
+        odds.append(found.all_noise)
+    assert odds[0] < 0.05 < 0.95 < odds[1]
+
+
 @pytest.mark.parametrize("has_stepped", [False, True])
 def test_a_current_that_stops_has_no_floor(has_stepped: bool) -> None:
     samples = _white(40) * (np.arange(40 * _PER_PERIOD) < 12 * _PER_PERIOD)
     assert _apart(_beside(1.0, 20.0, 40), samples, has_stepped=has_stepped) is None
     assert _apart(_beside(1.0, 1.0, 40), samples) == _OF_ONE
     assert _apart(_beside(1.0, 1.0, 40), samples, None) is None
+    follows = replace(_OF_ONE, least=0.6)
+    assert _apart(_beside(1.0, 1.0, 40), samples, follows, follows_signal=True) == follows
+    silent = spectrum_of_bins(np.zeros(40 * 21, dtype=np.complex128), 40)
+    assert _apart(silent, _white(40), follows, follows_signal=True) == follows
