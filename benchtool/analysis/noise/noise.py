@@ -286,8 +286,7 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
     for index in range(len(bands)):
         near = slice(max(0, index - _BANDS_AROUND), index + _BANDS_AROUND + 1)
         x, y = centre[near], level[near]
-        known = len(x) > 1 and bool(np.all(np.isfinite(y)))
-        found.append(_slope(x, y) if known else 0.0)
+        found.append(_slope(x, y) if np.all(np.isfinite(y)) else 0.0)
     return found
 
 
@@ -324,7 +323,7 @@ def _power_without_lines(square: NDArray[np.float64]) -> float:
     if lines <= _LINES_BY_CHANCE * len(square):
         return power
     rest = len(square) - lines
-    return _median(np.partition(square, rest - 1)[:rest]) / median_of_exponentials(rest)
+    return _median(np.sort(square)[:rest]) / median_of_exponentials(rest)
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:

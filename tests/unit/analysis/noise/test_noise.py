@@ -305,7 +305,7 @@ def test_lines_are_left_out_of_the_median(line: float, is_line: bool) -> None:
 
 
 @pytest.mark.parametrize("lines", [False, True])
-@pytest.mark.parametrize("exponent", [-2.0, 3.0])
+@pytest.mark.parametrize("exponent", [-6.0, -2.0, 3.0])
 def test_noise_in_proportion_to_a_power_of_frequency_is_its_mean(exponent: float, lines: bool) -> None:
     """In one band, from bin 2 on: lines in four of 26 bins are told from the slope, where they are large."""
     place = np.delete(np.arange(2, 31), [17, 18, 19])  # bins next to the fundamental of 20 periods
@@ -357,17 +357,18 @@ def test_bands_of_sixteen_bins_have_levels_of_their_own(low: float, high: float)
     assert floor.least == pytest.approx(min(1.0, math.sqrt(high / total)))
 
 
-def test_the_median_stands_for_noise_that_hardly_changes_within_a_band() -> None:
-    """In bands of 16, 16 and 28 bins that begin at bin 202 the power rises in proportion to frequency."""
-    bins = np.arange(280.0)
-    between = bins[(bins > 200) & (bins % 20 > 1) & (bins % 20 < 19)][:60]
-    floor = _floor(_of_bins(bins[: int(between[-1]) + 1], 20), 10.0)
-    parts = ((0, 16), (16, 32), (32, 60))
-    powers = [
-        (last - first) * np.median(between[first:last]) / _median_of(last - first) for first, last in parts
-    ]
-    assert floor.bins == 60
-    assert floor.amplitude**2 == pytest.approx(np.sum(powers) / 60.0)
+@pytest.mark.parametrize(("order", "is_steep"), [(4, False), (2, True)])
+def test_the_median_stands_for_noise_that_hardly_changes_within_a_band(order: int, is_steep: bool) -> None:
+    """In two bands of 16 bins the power rises in proportion to frequency: by a third from bin 42 on, and by a
+    fifth from bin 82 on."""
+    bins = np.arange(140.0)
+    between = bins[(bins > 20 * order) & (bins % 20 > 1) & (bins % 20 < 19)][:32]
+    floor = _floor(_of_bins(bins[: int(between[-1]) + 1], 20), order)
+    powers = [np.median(between[16 * band :][:16]) / _median_of(16) for band in (0, 1)]
+    if is_steep:
+        powers = [np.mean(between)]
+    assert floor.bins == 32
+    assert floor.amplitude**2 == pytest.approx(np.mean(powers))
 
 
 def test_bins_more_than_half_of_which_are_empty_have_no_floor() -> None:
