@@ -58,11 +58,11 @@ class _Axis:
     noise hides it in a mean."""
 
     def __init__(self, samples: Floats, largest_step: float) -> None:
-        self.mean, self.noise, self.step = float(np.mean(samples)), 0.0, counting_step(samples)
+        self.mean, self.step = float(np.mean(samples)), counting_step(samples)
         about = samples - self.mean
-        if not self.step <= largest_step:
+        if not self.step <= largest_step or len(samples) <= 2 * _ORDER:
             self.step = 0.0
-        if self.step > 0.0 and len(samples) > 2 * _ORDER:
+        if self.step > 0.0:
             about, noise = apart_from_noise(lines_of(samples), self.step, len(samples))
             # where the leaks of a line of many steps reach all over the spectrum they hold the noise
             power = float(np.mean(np.diff(samples, _ORDER) ** 2)) / math.comb(2 * _ORDER, _ORDER)
