@@ -101,8 +101,8 @@ class FluxBalance:
         return found._replace(
             **{
                 name: getattr(self.belief, name)
-                for name in Electrical._fields[: len(ESTIMATED) - 1]
-                if not self.solution.told(name)
+                for name in Electrical._fields
+                if name in ESTIMATED and not self.solution.told(name)
             }
         )
 
@@ -264,7 +264,7 @@ def _unexplained(ticks: Ticks, p: Electrical, errors_Vs: Complex, left_out: NDAr
         math.sqrt(float(np.mean(np.abs(np.add.reduceat(turned * each, starts)) ** 2)))
         for each in (errors_Vs, ticks.T_s * ticks.u_s)
     )
-    return left / whole if whole > 0.0 else 1.0
+    return left / whole
 
 
 def _squares(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> Floats:
@@ -277,7 +277,7 @@ def _squares(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[
 def _spans(ticks: Ticks, belief: Electrical) -> Floats:
     """Return what each unknown is, or could be, in a machine of this rating."""
     u_dc = float(np.mean(ticks.u_dc))
-    current = math.sqrt(float(np.mean(np.abs(ticks.phases) ** 2))) or 1.0
+    current = math.sqrt(float(np.mean(ticks.phases**2))) or 1.0
     voltage = max(_SPAN_VOLTAGE * u_dc, np.finfo(np.float64).tiny)
     return np.array(
         Electrical(

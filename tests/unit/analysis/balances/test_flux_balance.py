@@ -18,10 +18,11 @@ from benchtool.analysis.balances.flux_balance import ESTIMATED, FluxBalance, flu
 from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE, FluxBalanceSettings
 from benchtool.analysis.balances.flux_model import Electrical, Ticks, current_of
 from benchtool.analysis.balances.motion_balance import motion_balance
-from benchtool.analysis.balances.space_vectors import phase_values
+from benchtool.analysis.balances.pwm_period import Edges
+from benchtool.analysis.balances.space_vectors import Complex, phase_values
 from benchtool.analysis.balances.unknowns import solve
 from benchtool.analysis.balances.whitening import Whitening
-from benchtool.block import Block
+from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
 from tests.unit.analysis.excited_machine import T_S, Excitation, Truth, capture, motor_with
@@ -135,9 +136,10 @@ def test_one_steady_state_does_not_tell_apart_what_takes_a_second_torque() -> No
         (lambda b: without(b, u_alpha=0.0 * b.column("u_alpha"), u_beta=0.0 * b.column("u_beta")), "enabled"),
         (lambda b: replace(b, stride=2), "stride = 1"),
         (lambda b: replace(b, data=b.data[:100]), "record longer"),
+        (lambda b: replace(b, gaps=(Gap(100, 1),)), "missing"),
         (lambda b: without(b, i_a=np.clip(b.column("i_a"), -1.0, 1.0)), "clipped"),
     ],
-    ids=["phases swapped", "encoder reversed", "drive off", "every second tick", "short", "clipped"],
+    ids=["phases swapped", "encoder reversed", "drive off", "every second tick", "short", "gap", "clipped"],
 )
 def test_a_capture_that_cannot_answer_is_refused_with_a_remedy(change: object, seen: str) -> None:
     assert callable(change)
@@ -284,6 +286,8 @@ def test_numbers_of_a_capture_are_those_of_its_vectors() -> None:
     a, b, c = (block.column(name) for name in ("i_a", "i_b", "i_c"))
     assert found.omega_e_rad_s == pytest.approx(4 * 60.0, rel=1e-4)
     assert found.current_A == pytest.approx(np.sqrt(2.0 / 3.0 * np.mean(a**2 + b**2 + c**2)), rel=1e-3)
+    backwards = replace(found, ticks=replace(found.ticks, rotor=np.conj(found.ticks.rotor)))
+    assert backwards.omega_e_rad_s == found.omega_e_rad_s
     # of three phases: the torque is the power of the back-EMF over the speed
     salient = found.estimate._replace(L_d=5e-3, L_q=8e-3, psi_r=0.09, encoder_offset=0.2)
     i_dq = found.ticks.measured_dq * np.exp(-0.2j)
@@ -314,6 +318,25 @@ def test_unknowns_are_as_large_as_a_machine_of_this_rating_may_have_them() -> No
     phases = np.stack([turning().column(name) for name in ("i_a", "i_b", "i_c")])
     least = 1e-3 * voltage / np.sqrt(np.mean(phases**2))
     assert salient.solution.spans[:3] == pytest.approx([least, 8e-3, 12e-3], rel=1e-3)
+
+
+def test_signs_are_unsure_within_two_steps_and_what_two_dead_times_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    limits, signs = [], Edges.signs
+
+    def seen(edges: Edges, i_s: Complex, L: float, least_A: float, shortest_s: float) -> object:
+        limits.append((L, least_A, shortest_s))
+        return signs(edges, i_s, L, least_A, shortest_s)
+
+    monkeypatch.setattr(Edges, "signs", seen)
+    belief = motor_with(L_d_H=8e-3)
+    found = flux_balance(capture(Truth(dead_time_V=1.5), Excitation(speed_rad_s=60.0), 1000), belief)
+    assert limits[0] == pytest.approx((9e-3, 2.0 * 0.01, 0.0))
+    p = found.estimate
+    L = 0.5 * (p.L_d + p.L_q)
+    expected = (L, 0.02 + 2.0 * p.dead_time_voltage * T_S / L, 2.0 * p.dead_time_voltage / 100.0 * T_S)
+    assert any(each == pytest.approx(expected, rel=1e-6) for each in limits)
 
 
 def test_the_gain_of_a_phase_is_minus_those_of_the_others() -> None:
