@@ -43,9 +43,8 @@ def rms_beyond_lobes(
 def _square(drawn: Floats, place: float, apart: NDArray[np.bool_]) -> float:
     """Return the mean square distance of final entries, where they are apart by lobes."""
     places = np.where(np.isnan(drawn), place, drawn)
-    rows = np.clip(np.floor(places).astype(np.int64), 0, len(apart) - 1)
-    beside = np.minimum(rows + 1, len(apart) - 1)
-    return float(np.mean(np.where(apart[rows] | apart[beside], (places - place) ** 2, 0.0)))
+    before, behind = (each(places).astype(np.int64) for each in (np.floor, np.ceil))
+    return float(np.mean(np.where(apart[before] | apart[behind], (places - place) ** 2, 0.0)))
 
 
 def _beside_other_lobes(away: Floats, standard: Floats, band: float, place: float) -> NDArray[np.bool_]:
