@@ -40,7 +40,7 @@ def noise_of_plateau(
     if not (is_louder or is_calmer) or loudest < max(_ROUNDING * height, converter_step):
         return None
     of_loudest = errors[int(np.argmax([there, *rest]))]
-    turns = np.mean(of_loudest[:, 1:] * of_loudest[:, :-1] < 0.0)
+    turns = np.mean(np.diff(np.signbit(of_loudest), axis=1))
     return Noise.of(plateau) if turns > _TURNS else None
 
 

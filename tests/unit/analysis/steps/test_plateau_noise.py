@@ -91,8 +91,28 @@ def test_a_level_that_is_read_now_and_then_is_no_other_noise() -> None:
     assert noise_of_plateau(read, [np.zeros(100)], 100.0, 1.0) is None
 
 
-def test_too_few_samples_tell_of_no_noise() -> None:
-    assert noise_of_plateau(np.random.default_rng(8).standard_normal(40), [np.zeros(100)], 1.0, 0.0) is None
+@pytest.mark.parametrize(("samples", "tells"), [(47, False), (48, True)])
+def test_too_few_samples_tell_of_no_noise(samples: int, tells: bool) -> None:
+    """Three windows of sixteen."""
+    noise = np.random.default_rng(8).standard_normal(samples)
+    assert (noise_of_plateau(noise, [np.zeros(100)], 1.0, 0.0) is not None) is tells
+    assert (noise_of_plateau(np.tile(noise, 4), [np.zeros(samples)], 1.0, 0.0) is not None) is tells
+
+
+@pytest.mark.parametrize(("rms", "tells"), [(0.8, False), (1.7, True)])
+def test_noise_of_a_millionth_of_the_step_is_rounding(rms: float, tells: bool) -> None:
+    """Of 14 errors of a prediction three are fitted: they have 0.89 of the noise."""
+    noise = rms * np.random.default_rng(11).standard_normal(800)
+    assert (noise_of_plateau(noise, [np.zeros(100)], 1e6, 0.0) is not None) is tells
+    assert (noise_of_plateau(noise, [np.zeros(100)], 1.0, 1.0) is not None) is tells
+
+
+def test_what_swings_within_eight_samples_is_no_noise() -> None:
+    """A prediction from two samples leaves something of two sinusoids: an error in four is on the other side
+    of that before, and of noise one in two."""
+    rows = np.arange(400.0)
+    swing = np.cos(2.0 * np.pi * rows / 7.3 + 0.4) + np.cos(2.0 * np.pi * rows / 9.1)
+    assert noise_of_plateau(swing, [np.zeros(100)], 1.0, 0.0) is None
 
 
 def test_levels_are_those_of_the_noise_on_either_side_of_its_end() -> None:
