@@ -86,7 +86,7 @@ def _courses(coherent: CoherentSamples, seen: Wander) -> tuple[NDArray[np.comple
     table = coherent.values.reshape(coherent.periods, coherent.per_period)
     highest = min(_HIGHEST_TURNED, coherent.per_period // 2 - 1)
     parts = min(_QUARTERS, coherent.periods // 2)
-    if parts < 2 or highest < 2:
+    if parts < 2:
         return None
     order = np.arange(2, highest + 1)
     phasors = fft.rfft(table, axis=1)[:, 2 : highest + 1] * np.exp(

@@ -84,9 +84,10 @@ def _samples(
     phase_rad: Floats | float = 0.0,
     noise: float = 0.0,
     periods: int = 40,
+    per_period: int = _PER_PERIOD,
 ) -> CoherentSamples:
     """Return a fundamental of 1 and harmonics of these sizes in each period, all turned by a phase."""
-    turn = 2.0 * np.pi * np.arange(_PER_PERIOD) / _PER_PERIOD
+    turn = 2.0 * np.pi * np.arange(per_period) / per_period
     turned = turn + np.broadcast_to(phase_rad, periods)[:, np.newaxis]
     table = np.cos(turned)
     for order, size in harmonics.items():
@@ -127,6 +128,13 @@ def test_a_harmonic_that_turns_within_noise_tells_nothing(size: float, stands_ou
     five times that, and one of 0.004 is not."""
     reason = turned_around(_samples({3: size * _FLIPS}, noise=0.01), _STEADY, "i_a")
     assert bool(reason) is stands_out
+
+
+@pytest.mark.parametrize(("per_period", "tells"), [(4, False), (6, True), (9, True)])
+def test_a_period_of_few_samples_has_few_harmonics_that_tell(per_period: int, tells: bool) -> None:
+    """Below half of its samples."""
+    few = _samples({2: 0.2 * _FLIPS}, per_period=per_period)
+    assert bool(turned_around(few, _STEADY, "i_a")) is tells
 
 
 @pytest.mark.parametrize(("periods", "tells"), [(3, False), (4, True)])
