@@ -107,11 +107,13 @@ def test_noise_of_a_millionth_of_the_step_is_rounding(rms: float, tells: bool) -
     assert (noise_of_plateau(noise, [np.zeros(100)], 1.0, 1.0) is not None) is tells
 
 
-def test_what_swings_within_eight_samples_is_no_noise() -> None:
-    """A prediction from two samples leaves something of two sinusoids: an error in four is on the other side
-    of that before, and of noise one in two."""
+@pytest.mark.parametrize("periods", [(7.3, 9.1), (14.3, 18.1)])
+def test_what_swings_within_some_samples_is_no_noise(periods: tuple[float, float]) -> None:
+    """A prediction from two samples leaves something of two sinusoids: at most an error in four is on the
+    other side of that before, and of noise one in two."""
     rows = np.arange(400.0)
-    swing = np.cos(2.0 * np.pi * rows / 7.3 + 0.4) + np.cos(2.0 * np.pi * rows / 9.1)
+    swing = sum(np.cos(2.0 * np.pi * rows / each + each) for each in periods)
+    assert isinstance(swing, np.ndarray)
     assert noise_of_plateau(swing, [np.zeros(100)], 1.0, 0.0) is None
 
 
