@@ -287,6 +287,7 @@ def test_orders_are_whole_and_eight_bins_are_a_floor() -> None:
         assert floor.bins == 9
         assert floor.bin_Hz == 10.0
         assert floor.amplitude == pytest.approx(level / math.sqrt(_median_of(9)))
+    assert _floor(spectrum, -2.5) == _floor(spectrum)
     for size, is_floor in ((48 + 10, True), (48 + 9, False)):
         short = replace(spectrum, amplitude=spectrum.amplitude[:size], phasor=spectrum.phasor[:size])
         assert (noise_floor(short, 4.0) is not None) is is_floor
@@ -355,6 +356,14 @@ def test_bands_of_sixteen_bins_have_levels_of_their_own(low: float, high: float)
     total = 0.4 * low + 0.6 * high
     assert floor.highest == pytest.approx(math.sqrt(total))
     assert floor.least == pytest.approx(min(1.0, math.sqrt(high / total)))
+
+
+@pytest.mark.parametrize("level", [(1.0, 1.0, 8.0), (1.0, 1.0, 1.0, 8.0)])
+def test_the_slope_of_a_band_is_that_of_two_to_either_side(level: tuple[float, ...]) -> None:
+    """Where it is zero, in the first of four, the median stands for a band, elsewhere the mean."""
+    floor = _floor(_between(np.repeat(level, 16)))
+    first = level[0] / _median_of(16) if len(level) == 4 else level[0]
+    assert floor.amplitude**2 == pytest.approx(np.mean([first, *level[1:]]))
 
 
 @pytest.mark.parametrize(("order", "is_steep"), [(4, False), (2, True)])
