@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from dataclasses import replace
 from functools import cache
 
@@ -19,8 +20,8 @@ from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE, FluxBala
 from benchtool.analysis.balances.flux_model import Electrical, Ticks, current_of
 from benchtool.analysis.balances.motion_balance import motion_balance
 from benchtool.analysis.balances.pwm_period import Edges
-from benchtool.analysis.balances.space_vectors import Complex, phase_values
-from benchtool.analysis.balances.unknowns import solve
+from benchtool.analysis.balances.space_vectors import Complex, Floats, phase_values
+from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening
 from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
@@ -135,11 +136,21 @@ def test_one_steady_state_does_not_tell_apart_what_takes_a_second_torque() -> No
         (lambda b: without(b, theta_m=np.mod(-b.column("theta_m"), 2.0 * np.pi)), "encoder"),
         (lambda b: without(b, u_alpha=0.0 * b.column("u_alpha"), u_beta=0.0 * b.column("u_beta")), "enabled"),
         (lambda b: replace(b, stride=2), "stride = 1"),
-        (lambda b: replace(b, data=b.data[:100]), "record longer"),
+        (lambda b: replace(b, data=b.data[:499]), "499 rows .*: record longer"),
+        (lambda b: replace(b, data=b.data[:500]), "in 498 of 498 periods, .*: record an enabled drive"),
         (lambda b: replace(b, gaps=(Gap(100, 1),)), "missing"),
         (lambda b: without(b, i_a=np.clip(b.column("i_a"), -1.0, 1.0)), "clipped"),
     ],
-    ids=["phases swapped", "encoder reversed", "drive off", "every second tick", "short", "gap", "clipped"],
+    ids=[
+        "phases swapped",
+        "encoder reversed",
+        "drive off",
+        "every second tick",
+        "short",
+        "a period too short",
+        "gap",
+        "clipped",
+    ],
 )
 def test_a_capture_that_cannot_answer_is_refused_with_a_remedy(change: object, seen: str) -> None:
     assert callable(change)
@@ -414,8 +425,30 @@ def test_a_rotor_without_the_flux_that_is_believed_is_refused(share: float, is_r
 
 
 @pytest.mark.parametrize("times", [0.2, 6.0])
-def test_a_belief_that_is_far_off_is_left_in_steps(times: float) -> None:
-    belief = motor_with(L_d_H=times * 1e-2, L_q_H=times * 1e-2, psi_r_Wb=0.15)
-    found = flux_balance(turning(), belief).solution
+def test_a_belief_that_is_far_off_is_left_in_steps(times: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of no more than half, until what moves is a fiftieth of the uncertainty: once with the noise that is
+    there, and once with more."""
+    runs: dict[tuple[float, ...], list[tuple[Floats, Solution]]] = {}
+
+    def seen(names: tuple[str, ...], *arrays: Floats) -> Solution:
+        _, _, start, belief, _ = arrays
+        runs.setdefault(tuple(belief), []).append((start, solve(names, *arrays)))
+        return runs[tuple(belief)][-1][1]
+
+    monkeypatch.setattr(sys.modules[FluxBalance.__module__], "solve", seen)
+    believed = motor_with(L_d_H=times * 1e-2, L_q_H=times * 1e-2, psi_r_Wb=0.15)
+    found = flux_balance(turning(), believed).solution
+    first, noisy = runs.values()
+    starts = np.array([start[1:4] for start, _ in first])
+    steps = starts[1:] / starts[:-1]
+    assert np.min(steps[:, :2]) == pytest.approx(0.5) if times > 1.0 else np.max(steps) == pytest.approx(1.5)
+    assert np.all((steps > 0.499) & (steps < 1.501))
+    for run, searches in ((first, 4), (noisy, 0)):
+        moved = [
+            np.max(np.abs(later.values - each.values) / np.sqrt(np.diag(later.covariance)))
+            for (_, each), (_, later) in itertools.pairwise(run)
+        ]
+        assert moved[-1] < 0.02
+        assert all(each > 0.02 for each in moved[max(0, searches - 1) : -1])
     for name, true in (("L_d", 1e-2), ("L_q", 1e-2), ("psi_r", 0.1)):
         assert found.value(name) == pytest.approx(true, rel=0.01), name
