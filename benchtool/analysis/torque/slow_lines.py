@@ -220,9 +220,8 @@ def _beside(rest: Floats, periods: int, most: int) -> Floats:
 
 
 def _windowed(values: Floats) -> Complexes:
-    """Return the peak amplitudes of values, shape (n,), in bins of a Hann window, shape (n // 2 + 1,)."""
-    weights = spectral_window("hann", len(values))
-    return np.asarray(fft.rfft((values - np.mean(values)) * weights) * (2.0 / float(np.sum(weights))))
+    """Return the bins of values, shape (n,), under a Hann window, shape (n // 2 + 1,), of any scale."""
+    return np.asarray(fft.rfft((values - np.mean(values)) * spectral_window("hann", len(values))))
 
 
 def _finer(values: Floats, place: Floats, cycles: Floats, known: int, periods: int) -> Floats:
