@@ -287,6 +287,7 @@ def test_sums_of_sinusoids_have_the_means_of_their_integrals() -> None:
     assert lines.mean_square == pytest.approx(0.5 * (0.4**2 + 0.1**2 + 0.2**2 + 0.3**2))
     expected = (0.4 * np.sin(turned) - 0.2 * (1.0 - np.cos(turned))) / turned
     assert lines.mean_at(place) == pytest.approx(expected, rel=1e-5)
+    assert (lines.of_mean, lines.untold) == (1.0, 0.0)
 
 
 @pytest.mark.parametrize("cycles", [4.0, 0.2])
@@ -396,3 +397,37 @@ def test_two_lines_within_a_cycle_are_told_but_for_their_product_and_what_they_l
     first, second = np.hypot(found.cosine, found.sine)
     assert found.untold == pytest.approx(first * second + found.mean_square)
     assert abs(found.mean_square - 0.5 * (0.3**2 + 0.2**2)) < found.untold
+
+
+@pytest.mark.parametrize(("order", "periods", "is_found"), [(1, 13, True), (2, 12, False)])
+def test_orders_of_a_revolution_need_three_bins_between_them(
+    order: int, periods: int, is_found: bool
+) -> None:
+    """Ten periods a revolution have nine orders, of at least 1.2 cycles here, and a record has a bin less than
+    periods below them."""
+    place = _evenly(3_000)
+    line = np.cos(2.0 * np.pi * order * periods / 10.0 * place)
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(3_000)
+    assert (slow_lines(line + noise, place, periods, 10) is not None) is is_found
+
+
+def test_a_line_beside_a_large_one_shows_once_that_is_away() -> None:
+    """Within its main lobe under the window; and no order of a revolution is known, of one period each."""
+    place = _evenly(4_000)
+    noise = 1e-4 * np.random.default_rng(2).standard_normal(4_000)
+    both = 0.3 * np.cos(2.0 * np.pi * 20.0 * place) + 0.01 * np.cos(2.0 * np.pi * 22.3 * place + 1.0)
+    found = slow_lines(both + noise, place, 40)
+    assert found is not None
+    assert found.cycles == pytest.approx([20.0, 22.3], abs=0.02)
+    assert found.cycles[0] != 20.0
+
+
+@pytest.mark.parametrize("cycles", [3.4, 6.7])
+def test_a_line_of_few_cycles_is_at_the_place_of_least_squares(cycles: float) -> None:
+    """As certain as noise lets it: sqrt(6) / (pi a) of it over the root of rows."""
+    place, scatter = _evenly(3_000), 1e-3 * np.sqrt(6.0 / 3_000) / np.pi
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(3_000)
+    for phase_rad in (0.0, 0.8, 1.6):
+        found = slow_lines(np.cos(2.0 * np.pi * cycles * place + phase_rad) + noise, place, 30)
+        assert found is not None
+        assert found.cycles == pytest.approx([cycles], abs=4.0 * scatter)
