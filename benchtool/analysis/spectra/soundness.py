@@ -41,8 +41,8 @@ def soundness(spectrum: CoherentSpectrum, seen: Wander, invalid: str, name: str)
         or _off_phase(seen, name)
     )
     amplitude = spectrum.fundamental
-    noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase[0]
-    floor = math.sqrt(2.0) * harmonic_noise(spectrum, 1)[0]
+    noise = line_noise(spectrum, np.array([spectrum.periods])).in_phase.item()
+    floor = math.sqrt(2.0) * harmonic_noise(spectrum, 1).item()
     if not amplitude > 0.0:
         return Soundness(reason, reason or "the fundamental is zero")
     if amplitude < STANDS_OUT * noise or amplitude < _ABOVE_FLOOR * floor:
@@ -64,7 +64,6 @@ def turned_around(
     if courses is None:
         return ""
     means, noise = courses
-    order = np.arange(2, 2 + means.shape[1])
     size = np.mean(np.abs(means), axis=0)
     change = np.max(np.abs(means[:, np.newaxis] - means), axis=(0, 1))
     turned = (change > _TURNS * size + STANDS_OUT * noise) & (size > STANDS_OUT * noise)
@@ -74,7 +73,7 @@ def turned_around(
     for strongest in np.argsort(-size)[:2]:
         if turned[strongest]:
             return (
-                f"harmonic {order[strongest]} of {name} turns against the fundamental between parts of the "
+                f"harmonic {2 + strongest} of {name} turns against the fundamental between parts of the "
                 f"window: it reversed or changed its load; choose a window in steady state"
             )
     return ""

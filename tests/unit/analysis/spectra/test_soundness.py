@@ -122,11 +122,14 @@ def test_a_harmonic_that_turns_against_the_fundamental_is_of_two_regimes(
     assert reason.startswith(f"harmonic {named} of i_a turns") if named else reason == ""
 
 
-@pytest.mark.parametrize(("size", "stands_out"), [(0.004, False), (0.02, True)])
-def test_a_harmonic_that_turns_within_noise_tells_nothing(size: float, stands_out: bool) -> None:
+@pytest.mark.parametrize(
+    ("course", "stands_out"),
+    [(0.004 * _FLIPS, False), (0.02 * _FLIPS, True), (0.02 * (1.0 + 0.28 * _FLIPS), False)],
+)
+def test_a_harmonic_that_turns_within_noise_tells_nothing(course: Floats, stands_out: bool) -> None:
     """The mean of ten periods of 48 rows has a noise of 0.01 times 2 / sqrt(480): a line of 0.02 is more than
-    five times that, and one of 0.004 is not."""
-    reason = turned_around(_samples({3: size * _FLIPS}, noise=0.01), _STEADY, "i_a")
+    five times that, and one of 0.004 is not, nor what it changes by beyond half of it."""
+    reason = turned_around(_samples({3: course}, noise=0.01), _STEADY, "i_a")
     assert bool(reason) is stands_out
 
 

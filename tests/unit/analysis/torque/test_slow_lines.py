@@ -403,8 +403,8 @@ def test_two_lines_within_a_cycle_are_told_but_for_their_product_and_what_they_l
 def test_orders_of_a_revolution_need_three_bins_between_them(
     order: int, periods: int, is_found: bool
 ) -> None:
-    """Ten periods a revolution have nine orders, of at least 1.2 cycles here, and a record has a bin less than
-    periods below them."""
+    """A revolution of ten periods has nine orders, here of at least 1.2 cycles, and a record has one bin less
+    than periods below them."""
     place = _evenly(3_000)
     line = np.cos(2.0 * np.pi * order * periods / 10.0 * place)
     noise = 1e-3 * np.random.default_rng(2).standard_normal(3_000)
