@@ -173,7 +173,8 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     noisy, _, _ = _iterate(ticks.with_noise(noise_A), p, spans, weighting)
     moved = np.abs(noisy.values - solution.values)
     bias = np.maximum(0.0, moved - _BY_CHANCE * np.sqrt(np.diag(noisy.covariance)))
-    of_belief_A2 = _squares(ticks, ticks.errors(belief, _signs(ticks, p)[0]), belief, left_out)
+    # without a dead time the signs count for nothing
+    of_belief_A2 = _squares(ticks, ticks.errors(belief, np.zeros_like(ticks.u_s)), belief, left_out)
     belief_error_A = math.sqrt(float(np.mean(of_belief_A2)))
     found = replace(solution, bias=bias)
     unexplained_V = share * math.sqrt(float(np.mean(np.abs(ticks.u_s) ** 2)))

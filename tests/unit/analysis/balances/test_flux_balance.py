@@ -20,7 +20,7 @@ from benchtool.analysis.balances.flux_measurements import FLUX_BALANCE, FluxBala
 from benchtool.analysis.balances.flux_model import Electrical, Ticks, current_of
 from benchtool.analysis.balances.motion_balance import motion_balance
 from benchtool.analysis.balances.pwm_period import Edges
-from benchtool.analysis.balances.space_vectors import Complex, Floats, phase_values
+from benchtool.analysis.balances.space_vectors import Complex, Floats, phase_values, space_vector
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening
 from benchtool.block import Block, Gap
@@ -331,8 +331,9 @@ def test_unknowns_are_as_large_as_a_machine_of_this_rating_may_have_them() -> No
     assert salient.solution.spans[:3] == pytest.approx([least, 8e-3, 12e-3], rel=1e-3)
 
 
+@pytest.mark.parametrize("dead_time_V", [1.5, -1.0])
 def test_signs_are_unsure_within_two_steps_and_what_two_dead_times_do(
-    monkeypatch: pytest.MonkeyPatch,
+    dead_time_V: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limits, signs = [], Edges.signs
 
@@ -342,11 +343,14 @@ def test_signs_are_unsure_within_two_steps_and_what_two_dead_times_do(
 
     monkeypatch.setattr(Edges, "signs", seen)
     belief = motor_with(L_d_H=8e-3)
-    found = flux_balance(capture(Truth(dead_time_V=1.5), Excitation(speed_rad_s=60.0), 1000), belief)
+    block = turning()
+    signs_abc = np.sign([np.roll(block.column(name), -1) for name in ("i_a", "i_b", "i_c")])
+    asked = block.column("u_alpha") + 1j * block.column("u_beta") + dead_time_V * space_vector(signs_abc)
+    p = flux_balance(without(block, u_alpha=asked.real, u_beta=asked.imag), belief).estimate
     assert limits[0] == pytest.approx((9e-3, 2.0 * 0.01, 0.0))
-    p = found.estimate
-    L = 0.5 * (p.L_d + p.L_q)
-    expected = (L, 0.02 + 2.0 * p.dead_time_voltage * T_S / L, 2.0 * p.dead_time_voltage / 100.0 * T_S)
+    assert p.dead_time_voltage == pytest.approx(dead_time_V, rel=0.1)  # or as much too much compensated
+    L, lost_Vs = 0.5 * (p.L_d + p.L_q), 2.0 * abs(p.dead_time_voltage) * T_S
+    expected = (L, 0.02 + lost_Vs / L, lost_Vs / 100.0)
     assert any(each == pytest.approx(expected, rel=1e-6) for each in limits)
 
 
