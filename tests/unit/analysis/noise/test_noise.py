@@ -411,8 +411,8 @@ def test_all_bins_that_are_neither_harmonics_nor_lines_tell_the_course_of_noise(
 def test_sidebands_that_only_turn_the_phase_leak_beyond_what_is_seen(
     order: int, reach: int, sides: int
 ) -> None:
-    """Of a power c / d^2 at a distance d: up to half a harmonic away it is no noise, and of what is beyond,
-    c / reach to either side, half is the error of the amplitude."""
+    """Of a power c / d^2 at a distance d: up to half a harmonic away it is no noise, and beyond, where
+    it is c / reach to either side, half of it is the error of the amplitude."""
     bins, c, noise = np.arange(80 * 10), 4e-3, 1e-3 * np.exp(0.25j * np.pi)  # as much in phase as across
     floors = []
     for power in (0.0, c):

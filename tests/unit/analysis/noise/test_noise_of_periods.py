@@ -311,7 +311,7 @@ def test_a_floor_is_that_of_differences_where_these_have_less(has_stepped: bool)
 
 def test_the_noise_below_the_first_order_is_in_the_two_orders_around_the_fundamental() -> None:
     """As much in phase as in quadrature, it is twice what is in phase: two of 21.6 orders have 1 in place of
-    0.01. Less than a fifth of what is in quadrature may be the image of a ramp, and a line counts once."""
+    0.01. Less than a fifth of that in quadrature may be the image of a ramp, and a line counts once."""
     samples = 0.1 * _white(40)
     for moved, is_image in ((4.0, False), (7.0, True)):
         quadrature = np.full(39, moved)
