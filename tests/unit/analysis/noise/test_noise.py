@@ -85,6 +85,11 @@ def test_noise_that_rises_with_frequency_is_no_rest_of_a_motion() -> None:
     assert moved.of_rest == 0.0
 
 
+def test_a_level_has_half_of_the_small_uncertainty_of_its_power() -> None:
+    assert relative_to_found(0.008) == 0.004
+    assert 0.0075 < relative_to_found(0.015) < 0.00751
+
+
 @pytest.mark.parametrize("relative", [0.004, 0.1, 0.3])
 def test_a_level_that_is_low_by_chance_is_off_by_more_of_itself(relative: float) -> None:
     """Of a mean of n exponentially distributed powers the relative standard deviation is 1 / sqrt(n)."""
@@ -443,16 +448,18 @@ def test_the_noise_in_quadrature_that_a_phase_took_along_counts() -> None:
     assert _floor(followed).amplitude < 0.95 * plain.amplitude
 
 
-def test_around_a_harmonic_is_as_many_orders_as_hold_twenty_bins() -> None:
-    """Twelve periods have nine bins between harmonics: two to either side, here of an amplitude that rises
-    evenly. Beside the first and the last harmonics there are fewer, at least eight."""
-    place = np.arange(12 * 9 + 10.0)
-    found = harmonic_noise(_of_bins(place**2, 12), 12)
-    place = place[(place % 12 > 1) & (place % 12 < 11)]
-    median = np.array([np.median(place[np.abs(place - 12 * order) < 24]) for order in range(1, 12)])
-    assert median[3] == 4 * 12  # by symmetry
-    np.testing.assert_allclose(found[:11], median / MEDIAN_OF_RMS / math.sqrt(2.0))
-    assert math.isnan(found[11])
+@pytest.mark.parametrize(("periods", "reach"), [(12, 2), (13, 1)])
+def test_around_a_harmonic_is_as_many_orders_as_hold_twenty_bins(periods: int, reach: int) -> None:
+    """So many periods have nine or ten bins between harmonics, here of an amplitude that rises evenly. Beside
+    the first and the last harmonics there are fewer, at least eight."""
+    place, known = np.arange(periods * 9 + 10.0), 9 + reach
+    found = harmonic_noise(_of_bins(place**2, periods), 12)
+    place = place[(place % periods > 1) & (place % periods < periods - 1)]
+    away = np.abs(place - periods * np.arange(1, known + 1)[:, np.newaxis])
+    median = [np.median(place[each < reach * periods]) for each in away]
+    assert median[3] == 4 * periods  # by symmetry
+    np.testing.assert_allclose(found[:known], np.array(median) / MEDIAN_OF_RMS / math.sqrt(2.0))
+    assert np.all(np.isnan(found[known:]))
 
 
 def test_a_pair_of_sidebands_is_in_phase_or_in_quadrature() -> None:
@@ -470,6 +477,7 @@ def test_a_pair_of_sidebands_is_in_phase_or_in_quadrature() -> None:
     [
         ([0.1] * 16 + [1.0] * 24, 16),  # of five parts of eight the third has as much in quadrature
         ([0.1] * 16 + [0.55] * 8 + [1.0] * 16, 16),
+        ([0.1] * 16 + [0.5] * 8 + [1.0] * 16, 16),
         ([0.1] * 16 + [0.45] * 8 + [1.0] * 16, 24),
         ([0.1] * 43, 40),  # none: all whole parts
         ([0.2] * 40, 0),  # a sixth may be chance
@@ -481,3 +489,9 @@ def test_a_phase_took_the_noise_in_quadrature_along_up_to_where_half_is_there(
     kept: list[float], bins: int
 ) -> None:
     assert followed_bins(np.full(len(kept), 3.0), 3.0 * np.array(kept)) == bins
+
+
+def test_eight_bins_are_held_against_those_that_they_are_in_quadrature_to() -> None:
+    rises, falls = np.repeat([1.0, 10.0], 8), np.repeat([10.0, 1.0], 8)
+    assert followed_bins(rises, np.repeat([0.2, 10.0], 8)) == 0
+    assert followed_bins(falls, np.ones(16)) == 8
