@@ -212,7 +212,7 @@ def _beside(rest: Floats, periods: int, most: int) -> Floats:
     """Return the cycles of the largest lines of a spectrum that are slower than a period, at most so many."""
     bins = _windowed(rest)
     size = np.abs(bins)
-    inner = np.arange(_LOWEST, min(periods - 1, len(size) - 1))
+    inner = np.arange(_LOWEST, periods - 1)
     peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
     peaks = peaks[np.argsort(-size[peaks])][: max(0, most)]
     found = [surrounded(bins, size, int(peak)) for peak in peaks]
@@ -231,12 +231,8 @@ def _finer(values: Floats, place: Floats, cycles: Floats, known: int, periods: i
     for _ in range(_FINER):
         found, rest = _fitted(values, place, cycles, periods)
         turned = 2.0 * np.pi * np.outer(place, cycles)
-        slope = (
-            2.0
-            * np.pi
-            * (place - 0.5)[:, np.newaxis]
-            * (found.sine * np.cos(turned) - found.cosine * np.sin(turned))
-        )
+        turning = found.sine * np.cos(turned) - found.cosine * np.sin(turned)
+        slope = 2.0 * np.pi * place[:, np.newaxis] * turning
         basis = np.concatenate(
             [np.ones((len(place), 1)), np.cos(turned), np.sin(turned), slope[:, free]], axis=1
         )
