@@ -214,7 +214,7 @@ def _beside(rest: Floats, periods: int, most: int) -> Floats:
     size = np.abs(bins)
     inner = np.arange(_LOWEST, periods - 1)
     peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
-    peaks = peaks[np.argsort(-size[peaks])][: max(0, most)]
+    peaks = peaks[np.argsort(-size[peaks])][:most]
     found = [surrounded(bins, size, int(peak)) for peak in peaks]
     return np.array([each.place for each in found if each.amplitude > _STANDS_OUT * each.noise])
 

@@ -288,6 +288,8 @@ def test_sums_of_sinusoids_have_the_means_of_their_integrals() -> None:
     expected = (0.4 * np.sin(turned) - 0.2 * (1.0 - np.cos(turned))) / turned
     assert lines.mean_at(place) == pytest.approx(expected, rel=1e-5)
     assert (lines.of_mean, lines.untold) == (1.0, 0.0)
+    few = SlowLines(0.0, np.array([2.0, 7.0]), np.ones(2), np.ones(2))
+    assert few.mean_at(_evenly(40)) == pytest.approx(0.0, abs=1e-9)  # as many as there are rows
 
 
 @pytest.mark.parametrize("cycles", [4.0, 0.2])
