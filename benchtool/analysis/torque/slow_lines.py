@@ -65,7 +65,7 @@ class SlowLines:
     def mean_at(self, place: Floats) -> float:
         """Return by how much incomplete cycles move the mean of their sum at places, shape (n,), and no more
         than these can."""
-        most = np.minimum(1.0, 1.0 / (np.pi * self.cycles)) @ np.hypot(self.cosine, self.sine)
+        most = float(np.sum(np.hypot(self.cosine, self.sine) / (np.pi * self.cycles)))
         return float(np.clip(np.mean(self.at(place)) - self._over_whole_cycles(place), -most, most))
 
     def _over_whole_cycles(self, place: Floats) -> float:

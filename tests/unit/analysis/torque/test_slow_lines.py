@@ -292,14 +292,14 @@ def test_sums_of_sinusoids_have_the_means_of_their_integrals() -> None:
     assert few.mean_at(_evenly(40)) == pytest.approx(0.0, abs=1e-9)  # as many as there are rows
 
 
-@pytest.mark.parametrize("cycles", [4.0, 0.2])
-def test_incomplete_cycles_move_a_mean_by_a_half_at_most(cycles: float) -> None:
-    """By 1 / (pi c) of an amplitude, and never by more than that."""
+@pytest.mark.parametrize("cycles", [4.0, 1.2])
+def test_incomplete_cycles_move_a_mean_by_half_a_cycle_at_most(cycles: float) -> None:
+    """By 1 / (pi c) of an amplitude."""
     line = SlowLines(0.0, np.array([cycles]), np.array([0.4]), np.zeros(1))
     for sign in (1.0, -1.0):
         one = replace(line, cosine=sign * line.cosine)
         assert one.mean_at(np.linspace(0.0, 0.02, 1000)) == pytest.approx(
-            sign * 0.4 * min(1.0, 1.0 / (np.pi * cycles)), rel=1e-3
+            sign * 0.4 / (np.pi * cycles), rel=1e-3
         )
 
 
@@ -365,7 +365,7 @@ def test_a_line_stands_out_of_noise_by_six_times(ratio: float, is_found: bool) -
     assert (found is not None) is is_found
 
 
-@pytest.mark.parametrize(("cycles", "is_found"), [(2.2, False), (3.3, True), (47.5, True), (52.0, False)])
+@pytest.mark.parametrize(("cycles", "is_found"), [(2.2, False), (3.3, True), (48.4, True), (48.8, False)])
 def test_lines_are_sought_between_three_cycles_and_a_period(cycles: float, is_found: bool) -> None:
     place = _evenly(4_000)
     noise = 1e-3 * np.random.default_rng(3).standard_normal(4_000)
