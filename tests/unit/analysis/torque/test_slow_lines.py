@@ -273,6 +273,8 @@ def test_lines_that_are_not_told_from_each_other_move_a_mean_as_one() -> None:
     assert float(np.max(np.hypot(sizes[:3], sizes[3:]))) > 0.1
     alone = SlowLines(0.0, np.array([19.06]), np.array([0.06 * np.cos(1.0)]), np.array([-0.06 * np.sin(1.0)]))
     assert lines.mean_at(place) == pytest.approx(alone.mean_at(place), abs=2e-5)
+
+
 def _evenly(count: int) -> Array:
     return (np.arange(count) + 0.5) / count
 
