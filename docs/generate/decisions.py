@@ -237,7 +237,7 @@ SECTIONS: Final = (
         "Orders against the rotor angle, and how an error of the angle is told from a motion of the rotor "
         "(`benchtool.analysis.orders`, `benchtool.analysis.lines.course`).",
         """
-        0215 0322 0384 0398 0386 0256 0317 0321 0456 0326
+        0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487
         0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491
         """,
     ),

@@ -14,6 +14,7 @@ from benchtool.analysis.orders.between_orders import (
     fitted_share,
     noise_between_orders,
 )
+from benchtool.analysis.orders.slow_course import Turns, is_no_chance, slow_course
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
 
@@ -27,6 +28,8 @@ _FEWEST_OF_PHASE = 8  # revolutions whose phase is told to wander
 _CLEARLY = 6.0  # a ratio of variances of as many revolutions: by chance once in a hundred, or much less
 _SHOWS = 0.25  # scatter of an amplitude over its mean; of noise alone it is 0.52 (Rayleigh)
 MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
+_PLACES = 8  # in a revolution, by which it is told to be whole
+_PASSES = 3  # of a course and of orders beside it
 _PIECE = 256  # samples whose powers stay in the cache
 
 
@@ -36,7 +39,8 @@ class AngleFit:
 
     `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`; `noise`
     is the part of it that noise has, an estimate of `noise_dof` degrees of freedom, shape (K,): nan where the
-    angles do not tell it. `left_rms` is what the fit does not explain.
+    angles do not tell it. `left_rms` is what the fit does not explain. `on_a_course` is whether a course of
+    the values from revolution to revolution was taken off before.
     """
 
     coefficient: NDArray[np.complex128]
@@ -46,6 +50,7 @@ class AngleFit:
     left_rms: float
     noise: NDArray[np.float64]
     noise_dof: NDArray[np.float64]
+    on_a_course: bool = False
 
 
 def fit_orders(
@@ -60,6 +65,9 @@ def fit_orders(
     quarter of the degrees visited in all revolutions, 0.45 of the rows in a revolution where these are fewer
     than four, and as long as the least eigenvalue of the normal matrix is above 0.2. Content above the
     highest fitted order may alias into those below: it is not filtered.
+
+    A course that the values clearly have from revolution to revolution, as a speed that is run up has, is
+    taken off (`slow_course`): within each it looks like orders.
 
     The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
     correlation within a revolution (the sandwich formula, clustered by revolution); with fewer it is the
@@ -96,12 +104,23 @@ def fit_orders(
     from scipy.linalg import cho_factor, cho_solve
     from scipy.signal import fftconvolve  # draws in scipy.stats, which takes longer than all else here
 
-    # the unknowns c of exp(1j k angle), k = -order ... order
-    full = _both_sides(products[:, : order + 1])
     factor = cho_factor(_normal(total, order))
-    solution = cho_solve(factor, full.sum(axis=0))
-    explained = fftconvolve(_both_sides(sums[:, : 2 * order + 1]), solution[np.newaxis], "valid", axes=1)
-    scores = full - explained  # of each revolution; they add up to zero
+    of_weights = _both_sides(sums[:, : 2 * order + 1])
+    solution = np.zeros(2 * order + 1, dtype=np.complex128)
+    turns = _turns(coverage, weights)
+    for taken_off in range(1 + _PASSES):
+        # the unknowns c of exp(1j k angle), k = -order ... order
+        full = _both_sides(products[:, : order + 1])
+        solution = cho_solve(factor, full.sum(axis=0))
+        explained = fftconvolve(of_weights, solution[np.newaxis], "valid", axes=1)
+        scores = full - explained  # of each revolution; they add up to zero
+        course = slow_course(np.real(scores[:, order]), turns) if taken_off < _PASSES else None
+        if course is None or not (taken_off or is_no_chance(course)):
+            break
+        off = course((coverage.angle_rad - coverage.angle_rad.min()) / TURN)
+        off -= weights @ off
+        values = values - off
+        products = products - _sums(coverage, weights, off, max(order, 1))[1]
     coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
     towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
     revolutions = len(scores)
@@ -134,7 +153,7 @@ def fit_orders(
             noise, freedom = noise_between_orders(coefficient, between, share)
             standard = noise
     mean = float(np.real(solution[order]))
-    return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom)
+    return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom, taken_off > 0)
 
 
 def _lost(
@@ -214,6 +233,26 @@ def _between(
     return np.asarray((full - np.convolve(of_weights, solution, "valid"))[1:])
 
 
+def _turns(coverage: AngleCoverage, weights: NDArray[np.float64]) -> Turns:
+    """Return where the revolutions are, or the groups of them that `_sums` has rows of."""
+    group, rows = _groups(coverage)
+    visits = np.bincount(group, minlength=rows)
+    visited = visits > 0
+    weight = np.bincount(group, weights=weights, minlength=rows)[visited]
+    turns = (coverage.angle_rad - coverage.angle_rad.min()) / TURN
+    middle = np.bincount(group, weights=weights * turns, minlength=rows)[visited] / weight
+    first = np.unique(np.floor(turns * _PLACES), return_index=True)[1]
+    places = np.bincount(group[first], minlength=rows)[visited]
+    return Turns(middle, np.asarray(weight, dtype=np.float64), places, float(np.mean(visits[visited])))
+
+
+def _groups(coverage: AngleCoverage) -> tuple[NDArray[np.int64], int]:
+    """Return the group of each value, a revolution or some of them where they are many, and their number."""
+    last = int(coverage.revolution.max())
+    rows = min(last + 1, MOST_GROUPS)
+    return coverage.revolution * rows // (last + 1), rows
+
+
 def _sums(
     coverage: AngleCoverage,
     weights: NDArray[np.float64],
@@ -226,9 +265,7 @@ def _sums(
 
     A row for each revolution, or for each group of them where they are many.
     """
-    last = int(coverage.revolution.max())
-    rows = min(last + 1, MOST_GROUPS)
-    group = coverage.revolution * rows // (last + 1)
+    group, rows = _groups(coverage)
     sums = np.zeros((rows, 2 * order + 1), dtype=np.complex128)
     products = np.zeros((rows, order + 1), dtype=np.complex128)
     weighted = weights * values

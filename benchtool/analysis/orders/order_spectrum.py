@@ -305,6 +305,8 @@ def fitted_orders(
     )
     if coverage.resolution_rad > 0.0:
         method += f", angle in steps of {math.degrees(coverage.resolution_rad):.3g} degrees"
+    if fit.on_a_course:
+        method += ", less what it does from revolution to revolution"
     order = np.arange(1, count + 1)
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
