@@ -43,6 +43,7 @@ from .measurement import (
     tables_from_json as tables_from_json,
     tables_to_json as tables_to_json,
     undefined as undefined,
+    without_uncertainty as without_uncertainty,
 )
 from .noise.noise import (
     NoiseFloor as NoiseFloor,

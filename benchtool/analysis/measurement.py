@@ -223,6 +223,15 @@ def undefined(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]
     return found
 
 
+def without_uncertainty(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
+    """Return the names of the measurements with a value and without an uncertainty, by the reason."""
+    found: dict[str, tuple[str, ...]] = {}
+    for each in measurements:
+        if each.uncertainty_reason and not each.reason and each.uncertainty is None:
+            found[each.uncertainty_reason] = (*found.get(each.uncertainty_reason, ()), each.name)
+    return found
+
+
 def measurements_to_json(measurements: Iterable[Measurement]) -> dict[str, MeasurementJson]:
     """Return the measurements by name, in their order."""
     return {each.name: each.to_json() for each in measurements}

@@ -13,8 +13,9 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import catalogue, sensor_remarks
+from benchtool.analysis import catalogue, sensor_remarks, undefined, without_uncertainty
 from benchtool.cli import options, selection as chosen
+from benchtool.cli.fitting import named
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
@@ -358,12 +359,10 @@ def _show(output: Output, answer: TableAnswer) -> None:
 
     rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
     output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
-    undefined: dict[str, list[str]] = {}
-    for each in answer.measurements:
-        if not math.isfinite(each.value):
-            undefined.setdefault(each.reason, []).append(each.name)
-    for reason, names in undefined.items():
+    for reason, names in undefined(answer.measurements).items():
         output.sentence(f"undefined: {', '.join(names)}: {reason}")
+    for reason, names in without_uncertainty(answer.measurements).items():
+        output.sentence(f"without ±: {named(names)}: {reason}", "dim")
     for text in sensor_remarks(answer.measurements):
         output.sentence(text, "dim")
     for remark in answer.remarks:

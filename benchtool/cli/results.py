@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from benchtool.analysis import Measurement, catalogue, placed, probability, undefined, with_expanded
+from benchtool.analysis import (
+    Measurement,
+    catalogue,
+    placed,
+    probability,
+    undefined,
+    with_expanded,
+    without_uncertainty,
+)
 from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
 from benchtool.plan import JudgedLimit, Limit
@@ -112,7 +120,8 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
             told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
         told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.of_sensors)
-    told |= dict.fromkeys(_undefined([case for case in cases if case.recorded is not None]))
+    told |= dict.fromkeys(_reasons(cases, undefined, "undefined"))
+    told |= dict.fromkeys(_reasons(cases, without_uncertainty, "without ±"))
     for case in cases:
         if case.refusal:
             told[f"{_of(case, cases)}nothing else was measured: {case.refusal}"] = None
@@ -125,14 +134,18 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
         output.sentence(line, "dim")
 
 
-def _undefined(cases: Sequence[Assessment]) -> Iterator[str]:
-    """Yield why measurements of recordings have no value, each reason once."""
+def _reasons(
+    cases: Sequence[Assessment],
+    lacking: Callable[[Sequence[Measurement]], Mapping[str, Sequence[str]]],
+    what: str,
+) -> Iterator[str]:
+    """Yield why measurements have no value, or no uncertainty, each reason once."""
     found: dict[str, dict[str, None]] = {}
     for case in cases:
-        for reason, names in undefined(case.measurements).items():
+        for reason, names in lacking(case.measurements).items():
             found.setdefault(reason, {}).update(dict.fromkeys(names))
     for reason, distinct in found.items():
-        yield f"undefined: {named(tuple(distinct))}: {reason}"
+        yield f"{what}: {named(tuple(distinct))}: {reason}"
 
 
 def _of(case: Assessment, cases: Sequence[Assessment]) -> str:

@@ -394,6 +394,15 @@ def test_for_people(invoke: Invoke) -> None:
     assert "12000 rows, 12000 used; time from column 1 'Time' in s (assumed)" in text
 
 
+def test_people_are_told_why_a_number_has_no_uncertainty(invoke: Invoke) -> None:
+    rows = np.column_stack([np.arange(2000) / 1e3, np.random.default_rng(1).normal(2.0, 0.1, 2000)])
+    np.savetxt("log.csv", rows, delimiter=",", header="Time [s],Torque [Nm]", comments="", fmt="%.6f")
+    result = invoke("--csv", "log.csv", "--time", "Time", "--torque", "Torque")
+    assert result.exit_code == 0, result.output
+    text = " ".join(result.stdout.split())
+    assert "without ±: torque_mean, torque_ripple_pp, torque_ripple_rms and 3 more: no angle, current" in text
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "complaint"),
     [

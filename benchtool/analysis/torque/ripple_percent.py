@@ -19,7 +19,10 @@ def no_base(mean: Measurement, peak_to_peak: float, name: str) -> str:
     if size <= _SMALLEST_MEAN * peak_to_peak:
         return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
     if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
-        return f"the mean {name} cannot be distinguished from zero"
+        return (
+            f"the mean {name} of {mean.value:.3g} {mean.unit} has a standard uncertainty of "
+            f"{mean.uncertainty.standard:.2g}, at most a fifth of it is allowed for a percentage"
+        )
     return ""
 
 
