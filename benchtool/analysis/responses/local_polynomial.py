@@ -4,8 +4,8 @@ Over a few bins around f, Y = H X + T, with the response H a parabola of frequen
 the record leave in (the output still moving at its start, cut off at its end), a line or a parabola. Least
 squares separate them, and the residual is the noise (Pintelon and Schoukens, System Identification: A
 Frequency Domain Approach, 2nd ed., 7.2). Where a resonance is sharper than a parabola follows, and that
-shows, the response is a parabola over a line, which has a pole (local rational method: McKelvey and Guérin,
-IFAC Proc. 45 (2012) no. 16).
+shows, the response is a parabola over a line, which has a pole, or over another parabola, which has the two
+of a lag of second order (local rational method: McKelvey and Guérin, IFAC Proc. 45 (2012) no. 16).
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 REACH = 8  # bins to either side
 _CURVED = 3  # terms of a parabola
 _ENDS = 2  # terms of a line, for what the ends of a record leave in
-_SHARP = 3.0  # times the variance that a pole leaves: a parabola does not follow
+_SHARP = 3.0  # times the variance that another pole leaves: one less does not follow
+_BEYOND_CHANCE = 4.0  # times the mean square by which a second pole moves a response, by noise
 _NEIGHBOURS = 9  # fits whose input's response counts as even
 _BATCH = 1024  # bins at a time: their matrices stay in the cache
 
@@ -161,21 +162,39 @@ class _Solution:
     spread: Floats
 
     @property
+    def power_left(self) -> Floats:
+        """Complex variance of a bin, by what is left in all."""
+        return np.asarray(np.sum(np.abs(self.left) ** 2, axis=1) / self.freedom)
+
+    @property
     def variance(self) -> Floats:
         """Complex variance of the response."""
-        return np.asarray(np.sum(np.abs(self.left) ** 2, axis=1) / self.freedom * self.spread)
+        return self.power_left * self.spread
+
+    def where(self, chosen: NDArray[np.bool_], other: _Solution) -> _Solution:
+        """Return this one where `chosen`, shape (m,), and the other elsewhere."""
+        return _Solution(
+            np.where(chosen, self.response, other.response),
+            np.where(chosen[:, np.newaxis], self.left, other.left),
+            np.where(chosen, self.freedom, other.freedom),
+            np.where(chosen, self.spread, other.spread),
+        )
 
 
 def _smooth_or_sharp(near_x: Complex, near_y: Complex, ends: int) -> _Solution:
-    """Return the fit with `ends` terms of T, with a pole where that leaves much less."""
+    """Return the fit with `ends` terms of T, with a pole where that leaves much less, and there with a second
+    one where that leaves much less again, or the response by it differs beyond chance from fit to fit."""
     smooth, sharp = (_solve(near_x, near_y, ends, poles) for poles in (0, 1))
-    better = smooth.variance > _SHARP * sharp.variance
-    return _Solution(
-        np.where(better, sharp.response, smooth.response),
-        np.where(better[:, np.newaxis], sharp.left, smooth.left),
-        np.where(better, sharp.freedom, smooth.freedom),
-        np.where(better, sharp.spread, smooth.spread),
-    )
+    has_pole = smooth.variance > _SHARP * sharp.variance
+    found = sharp.where(has_pole, smooth)
+    if not np.any(has_pole):
+        return found
+    sharper = _solve(near_x, near_y, ends, 2)
+    apart2 = np.abs(sharper.response - sharp.response) ** 2
+    by_chance2 = sharper.power_left * np.maximum(0.0, sharper.spread - sharp.spread)
+    has_two = sharp.variance > _SHARP * sharper.variance
+    has_two |= _even(apart2) > _BEYOND_CHANCE * _even(by_chance2)
+    return sharper.where(has_pole & has_two, found)
 
 
 def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> _Solution:
