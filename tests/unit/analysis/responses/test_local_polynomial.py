@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from benchtool.analysis.responses.frequency_response import FrequencyResponse, local_response
+from benchtool.analysis.responses.estimated_response import FrequencyResponse
+from benchtool.analysis.responses.frequency_response import local_response
 
 RATE_HZ = 10_000.0
 
@@ -16,7 +17,9 @@ RATE_HZ = 10_000.0
 def swept(corner_Hz: float, damping: float, noise: float, seed: int) -> tuple[FrequencyResponse, np.ndarray]:
     """Return the response of a lag to a short sweep of any phase that begins at once, and the true one."""
     random, omega = np.random.default_rng(seed), 2.0 * math.pi * corner_Hz
-    lag = signal.cont2discrete(([omega**2], [1.0, 2.0 * damping * omega, omega**2]), 1.0 / RATE_HZ)
+    lag = signal.cont2discrete(
+        (np.array([omega**2]), np.array([1.0, 2.0 * damping * omega, omega**2])), 1.0 / RATE_HZ
+    )
     ahead, behind = np.ravel(lag[0]), np.ravel(lag[1])
     time_s = np.arange(6_000) / RATE_HZ
     x = signal.chirp(time_s, 2.0, 0.6, 2_000.0, "logarithmic", phi=random.uniform(0.0, 360.0))
@@ -30,7 +33,7 @@ def swept(corner_Hz: float, damping: float, noise: float, seed: int) -> tuple[Fr
 def test_a_lag_of_second_order_within_the_bins_is_not_off_in_one_direction(
     corner_Hz: float, damping: float
 ) -> None:
-    """The lowest six frequencies were off by twice to four times their error in each record, with one pole."""
+    """The lowest six frequencies were off by two to four times their error with one pole."""
     off = []
     for seed in range(12):
         found, truth = swept(corner_Hz, damping, 5e-3, seed)
