@@ -262,7 +262,7 @@ def _largest(
     order = standing_out[0]
     basis = replace(_at(spectrum, order), order=order)
     unmoved = Sensitivities.unmoved(spectrum.signal).chosen
-    why = "it is this order, or another one"
+    why = "it is a whole number: this order is the largest, or another one is"
     yield Measurement(number, float(order), "", text, basis, uncertainty_reason=why, sensitivities=unmoved)
     value, uncertain = float(spectrum.amplitude[order - 1]), _uncertainty(spectrum, order)
     own = Sensitivities.of_line(spectrum.signal, value).chosen

@@ -35,7 +35,7 @@ from benchtool.block import Block, as_samples
 _TOO_FEW_EXTREMES = "the extremes of fewer than four periods do not tell how much they scatter: record longer"
 _GROWS = "the ripple grows or falls over the whole record: record longer, or choose a window in steady state"
 _FEWEST_UPDATES = 18.0  # in a period: three of each crest of the sixth order, that of a bridge of six pulses
-_TOO_SLOW_NOISE = "noise too slow for the record"
+_TOO_SLOW_NOISE = "noise slower than the record, which moves its mean and not its rms"
 _MEET_SLOWLY = (
     "it, or where in its few steps the rows fall, wanders more slowly than the record shows: record longer, "
     "or in finer steps"
