@@ -17,7 +17,7 @@ _AS_NOISE = 2.5  # times the noise
 @dataclass(frozen=True)
 class SettlingPhase:
     """`offset` + `slope` t + `settling` exp(-`rate` t), rad, t in periods from the first of `count` phases,
-    each the mean over its period; `noise2`, rad^2, is their mean square about it."""
+    each the mean over its period where they `are_means`; `noise2`, rad^2, is their mean square about it."""
 
     offset: float
     slope: float
@@ -25,6 +25,7 @@ class SettlingPhase:
     rate: float
     count: int
     noise2: float
+    are_means: bool = True
 
     def turned(self, before: float, after: float) -> tuple[float, float]:
         """Return the phase from `before` periods before the first one to `after` periods after the last, rad,
@@ -32,9 +33,10 @@ class SettlingPhase:
         ends = np.array([-before, self.count - 1.0 + after])
         derivatives = self._derivatives(ends)
         across = derivatives[1] - derivatives[0]
-        of_means = self._derivatives(np.arange(self.count, dtype=np.float64))
-        of_means[:, 2:] *= _mean_over_period(self.rate)
-        weights = across @ np.linalg.pinv(of_means)
+        of_phases = self._derivatives(np.arange(self.count, dtype=np.float64))
+        if self.are_means:
+            of_phases[:, 2:] *= _mean_over_period(self.rate)
+        weights = across @ np.linalg.pinv(of_phases)
         turned_rad = float(across[:3] @ np.array([self.offset, self.slope, self.settling]))
         return turned_rad, float(weights @ weights) * self.noise2
 
@@ -44,8 +46,11 @@ class SettlingPhase:
         return np.column_stack([basis, -self.settling * periods * basis[:, 2]])
 
 
-def settling_phase(phase_rad: NDArray[np.float64], noise2: float) -> SettlingPhase | None:
-    """Return the settling that phases, shape (n,), show, None where they show none.
+def settling_phase(
+    phase_rad: NDArray[np.float64], noise2: float, *, are_means: bool = True
+) -> SettlingPhase | None:
+    """Return the settling that phases, shape (n,), show, None where they show none. Each is the mean over its
+    period, or, if they are no means, what the phase is in its middle, as along a track that follows it.
 
     They do where it leaves no more than noise of the mean square `noise2`, rad^2, and clearly less than a
     polynomial with as many parameters.
@@ -58,23 +63,25 @@ def settling_phase(phase_rad: NDArray[np.float64], noise2: float) -> SettlingPha
     cubic = np.polynomial.Polynomial.fit(periods, phase_rad, _PARAMETERS - 1)
     of_cubic2 = float(np.sum((phase_rad - cubic(periods)) ** 2))
     rates = 1.0 / np.geomspace(_FASTEST, count, _RATES)
-    coarse = min(rates, key=lambda rate: _fit(periods, phase_rad, rate)[0])
+    coarse = min(rates, key=lambda rate: _fit(periods, phase_rad, rate, are_means)[0])
     apart = float(rates[0] / rates[1])
     fine = coarse * np.geomspace(1.0 / apart, apart, _RATES)
-    rate = float(min(fine, key=lambda rate: _fit(periods, phase_rad, rate)[0]))
-    left2, found = _fit(periods, phase_rad, rate)
+    rate = float(min(fine, key=lambda rate: _fit(periods, phase_rad, rate, are_means)[0]))
+    left2, found = _fit(periods, phase_rad, rate, are_means)
     about2 = max(left2 / spare, noise2)
     if left2 > _AS_NOISE * noise2 * spare or of_cubic2 - left2 < _CLEARLY * about2:
         return None
-    return SettlingPhase(float(found[0]), float(found[1]), float(found[2]), rate, count, about2)
+    offset, slope, size = found.tolist()
+    return SettlingPhase(offset, slope, size, rate, count, about2, are_means)
 
 
 def _fit(
-    periods: NDArray[np.float64], phase_rad: NDArray[np.float64], rate: float
+    periods: NDArray[np.float64], phase_rad: NDArray[np.float64], rate: float, are_means: bool
 ) -> tuple[float, NDArray[np.float64]]:
     """Return the sum of squares that is left, rad^2, and offset, slope and settling."""
     basis = _basis(periods, rate)
-    basis[:, 2] *= _mean_over_period(rate)
+    if are_means:
+        basis[:, 2] *= _mean_over_period(rate)
     found = np.asarray(np.linalg.lstsq(basis, phase_rad, rcond=None)[0])
     return float(np.sum((phase_rad - basis @ found) ** 2)), found
 

@@ -129,7 +129,8 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     if track.departure is not None:
         left2 = _shared2(seen.phase_rad - np.mean(seen.phase_rad))
     of_phases2 = 2.0 * (left2 + within_rad**2)
-    settling = settling_phase(phase_rad, max(going_on.noise2, seen.noise_rad**2))
+    noise2 = max(going_on.noise2, seen.noise_rad**2)
+    settling = settling_phase(phase_rad, noise2, are_means=track.departure is None)
     if settling is not None:  # it bends most where a polynomial begins
         turned_rad, error2 = settling.turned(before, after)
         return turned_rad, math.sqrt(of_phases2 + error2)
