@@ -33,6 +33,7 @@ _FAR_OFF_RAD = 0.05
 _BY_CHANCE, _DOUBTED = 1e-4, 0.05
 _FEWEST_AT_SIDE = 3
 _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from noise
+_FEWEST_ABOUT_A_LINE = 6  # amplitudes: of fewer a line takes along most of their noise
 _BEYOND = 3  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
@@ -45,6 +46,7 @@ _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _STEADY, _SLOWEST = 2, 4  # terms of a steady rise, and of the courses beside it that are looked at
 _OF_NOISE = 0.35  # relative deviation of amplitudes, which of noise alone have Rayleigh's, 0.52
 _UNRELATED, _MOST_OF_NOISE = 2.5, 0.5  # standard deviations of a correlation; the most of few periods
+_MOST_TURNED_RAD, _MOST_BENT_RAD = 0.3, 0.2  # in a period beside the track: more is noise, or a jump
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
 
 
@@ -87,6 +89,7 @@ def wander(coherent: CoherentSamples) -> Wander:
     if coherent.periods > 2:
         # a ramp of d per period under the signal, as of a decaying dc, reads j d / pi
         phasor -= 1j / np.pi * np.gradient(np.mean(table, axis=1))
+        phasor = _in_the_middle(phasor, coherent.per_period)
     amplitude = np.abs(phasor)
     steps = np.angle(phasor[1:] * np.conj(phasor[:-1]))
     phase_rad = np.angle(phasor[0]) + np.concatenate(([0.0], np.cumsum(steps)))
@@ -98,7 +101,8 @@ def wander(coherent: CoherentSamples) -> Wander:
         return Wander(phase_rad, amplitude, 0.0, math.sqrt(of_amplitude))
     excess, by_chance = 0.0, 1.0
     if len(phasor) >= _FEWEST_PERIODS:
-        of_amplitude = _about_a_line(amplitude) / middle**2
+        if len(phasor) >= _FEWEST_ABOUT_A_LINE:
+            of_amplitude = _about_a_line(amplitude) / middle**2
         by_chance = _by_chance(phase_rad, of_amplitude) if of_phase > of_amplitude else 1.0
         excess = math.sqrt(of_phase - of_amplitude) if by_chance < _BY_CHANCE else 0.0
     jump_rad = _jump_rad(steps)
@@ -111,6 +115,19 @@ def wander(coherent: CoherentSamples) -> Wander:
         jump_rad > 0.0 and _jumps_alone(steps, amplitude),
         is_doubted=_BY_CHANCE <= by_chance < _DOUBTED,
     )
+
+
+def _in_the_middle(phasor: NDArray[np.complex128], size: int) -> NDArray[np.complex128]:
+    """Return phasors of periods of so many samples, shape (periods,), in their middles and without the image
+    at the negative frequency: where a tone turns by x more in a period its sum over n of exp(-2j (2 pi n /
+    size)) n / size is not zero, but x (cot(2 pi / size) + j) / (2 size), about x / (4 pi), of its conjugate.
+    """
+    turned_rad = np.gradient(np.unwrap(np.angle(phasor)), edge_order=2)
+    most_rad, bent_rad = (float(np.max(np.abs(each))) for each in (turned_rad, np.diff(turned_rad)))
+    if not (most_rad < _MOST_TURNED_RAD and bent_rad < _MOST_BENT_RAD):
+        return phasor
+    image = 0.5 / size * (1.0 / math.tan(2.0 * math.pi / size) + 1j)
+    return np.asarray(phasor * np.exp(0.5j / size * turned_rad) - image * turned_rad * np.conj(phasor))
 
 
 def _by_chance(phase_rad: NDArray[np.float64], of_amplitude: float) -> float:

@@ -22,7 +22,7 @@ FEWEST_PERIODS = 3
 
 _ALIKE = 3.0  # standard deviations of a correlation
 _ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
-_OF_A_ROW = 0.5  # rounding of what is behind the last mark, or whole rows that were left out there
+_OF_A_ROW = 0.5  # rounding of the rows behind the last mark, or whole rows that were left out there
 _OF_LAST = 16  # one in so many
 
 

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import current_spectrum, track_angle, track_tone
+from benchtool.analysis.coherent.spectrum import CoherentSamples
+from benchtool.analysis.phase.phase_following import wander
 from benchtool.block import Block
 from tests.at_length import at_length
 
@@ -55,7 +57,7 @@ def test_a_speed_that_settles_within_the_noise_is_in_the_frequency() -> None:
 
 
 def test_a_settling_that_is_followed_is_known_in_the_middles_of_periods() -> None:
-    """Its phases are no means over periods any more: taken for these, all were off by 1 to 2.5 u in one direction."""
+    """Its phases are no means over periods any more: taken for these, all were off by 1 to 2.5 u, one way."""
     time_s, theta = settling(9.8, 9.8e-3, 0.345)
     random, errors = np.random.default_rng(6), []
     for _ in range(6):
@@ -155,3 +157,16 @@ def test_counts_that_beat_with_the_rows_leave_the_frequency_open(counts: int, wo
         assert frequency.uncertainty is not None
         errors.append((frequency.value - true_Hz) / frequency.uncertainty.standard)
     assert np.sqrt(np.mean(np.square(errors))) < 1.7
+
+
+@pytest.mark.parametrize("per_period", [12, 39, 600])
+def test_a_tone_that_turns_beside_its_track_has_its_amplitude_and_phase(per_period: int) -> None:
+    """Its image at the negative frequency and the middle of its samples, moved both by 3e-3 to 5e-3."""
+    turns = np.arange(20 * per_period) / per_period
+    own_rad = 0.4 + 3e-3 * turns + 1e-3 * turns**2
+    values = 2.0 * np.cos(2 * np.pi * turns + own_rad)
+    seen = wander(CoherentSamples(values, 20, float(len(values)), RATE_HZ))
+    middle = np.arange(20.0) + 0.5
+    expected_rad = 0.4 + 3e-3 * middle + 1e-3 * (middle**2 + 1.0 / 12.0)
+    np.testing.assert_allclose(seen.phase_rad, expected_rad, atol=2e-4)
+    np.testing.assert_allclose(seen.amplitude, 2.0, rtol=2e-4)
