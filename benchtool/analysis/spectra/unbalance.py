@@ -182,6 +182,8 @@ def current_unbalance(
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
     sequences = [_Sequence(each, first.periods) for each in rotating]
+    image = np.conj(_course(sequences[0])) * np.tile(turn, first.periods) ** 2
+    sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
     steps = _of_steps(parts, columns, tones)
     positive = _component(sequences[0], steps, beside=sequences[1])
     # which lowers all components alike
@@ -203,6 +205,22 @@ def current_unbalance(
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
+
+
+def _course(sequence: _Sequence) -> Phasors:
+    """Return the course of a component over its periods, on straight lines through their means, shape (n,).
+
+    In the frame of the opposite sequence it turns twice in each period. Over whole periods that is nothing
+    while the amplitude is steady, and of one that rises by d over n periods d / (4 pi n).
+    """
+    periods, of_periods = sequence.periods, sequence.of_periods
+    if periods < 2:
+        return np.full(len(sequence.samples), np.mean(of_periods))
+    begin, end = 1.5 * of_periods[0] - 0.5 * of_periods[1], 1.5 * of_periods[-1] - 0.5 * of_periods[-2]
+    places = np.concatenate([[0.0], np.arange(periods) + 0.5, [periods]])
+    values = np.concatenate([[begin], of_periods, [end]])
+    at = (np.arange(len(sequence.samples)) + 0.5) * (periods / len(sequence.samples))
+    return np.asarray(np.interp(at, places, values))
 
 
 def _tones(parts: Sequence[CoherentSamples]) -> list[Interharmonics | None]:
