@@ -224,7 +224,7 @@ def test_currents_with_next_to_no_noise_are_as_uncertain_as_their_resampling() -
 
 @pytest.mark.parametrize("swing", [0.0, 0.03])
 def test_a_load_that_falls_makes_no_negative_sequence(swing: float) -> None:
-    """Of one that falls by 5 % over 54 periods 4e-4 A were left, with half of that as uncertainty, or more."""
+    """Of one that falls by 5 % over 54 periods 4e-4 A were left, with half of that as its error, or more."""
     count, random = 30_000, np.random.default_rng(2)
     place = np.linspace(-0.5, 0.5, count)
     theta = np.asarray(2 * np.pi * 18.0 * np.arange(count) / RATE_HZ, dtype=np.float64)
