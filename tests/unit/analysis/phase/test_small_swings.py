@@ -48,7 +48,7 @@ def off_in_u(current: np.ndarray, time_s: np.ndarray, theta: np.ndarray) -> floa
     frequency = found["fundamental_frequency"]
     assert frequency.uncertainty is not None
     true_Hz = float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1])
-    return (frequency.value - true_Hz) / frequency.uncertainty.standard
+    return float((frequency.value - true_Hz) / frequency.uncertainty.standard)
 
 
 def test_a_speed_that_settles_within_the_noise_is_in_the_frequency() -> None:
