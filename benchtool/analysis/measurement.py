@@ -216,19 +216,24 @@ class Table:
 
 def undefined(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
     """Return the names of the measurements without a value, by the reason."""
-    found: dict[str, tuple[str, ...]] = {}
-    for each in measurements:
-        if each.reason:
-            found[each.reason] = (*found.get(each.reason, ()), each.name)
-    return found
+    return _names_by_reason((each.reason, each.name) for each in measurements)
 
 
 def without_uncertainty(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
     """Return the names of the measurements with a value and without an uncertainty, by the reason."""
+    return _names_by_reason(
+        (each.uncertainty_reason, each.name)
+        for each in measurements
+        if not each.reason and each.uncertainty is None
+    )
+
+
+def _names_by_reason(told: Iterable[tuple[str, str]]) -> dict[str, tuple[str, ...]]:
+    """Return names by their reason, those of an empty one left out."""
     found: dict[str, tuple[str, ...]] = {}
-    for each in measurements:
-        if each.uncertainty_reason and not each.reason and each.uncertainty is None:
-            found[each.uncertainty_reason] = (*found.get(each.uncertainty_reason, ()), each.name)
+    for reason, name in told:
+        if reason:
+            found[reason] = (*found.get(reason, ()), name)
     return found
 
 

@@ -174,15 +174,16 @@ def current_unbalance(
     tones = _tones(read)
     parts = [_without(*each) for each in zip(read, tones, strict=True)]
     first = parts[0]
-    turn = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
+    of_period = np.exp(-2j * np.pi / first.per_period * np.arange(first.per_period))
+    turn = np.tile(of_period, first.periods)
     a = np.exp(2j * np.pi / 3.0)
     of_phases = np.array([[1.0, a, a**2], [1.0, a**2, a], [1.0, 1.0, 1.0]]) / 3.0
-    rotating = of_phases @ np.array([2.0 * np.tile(turn, first.periods) * each.values for each in parts])
+    rotating = of_phases @ np.array([2.0 * turn * each.values for each in parts])
     if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
     sequences = [_Sequence(each, first.periods) for each in rotating]
-    image = np.conj(_course(sequences[0])) * np.tile(turn, first.periods) ** 2
+    image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
     steps = _of_steps(parts, columns, tones)
     positive = _component(sequences[0], steps, beside=sequences[1])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis import current_spectrum, track_angle, track_tone
+from benchtool.analysis import Measurement, PhaseTrack, current_spectrum, track_angle, track_tone
 from benchtool.analysis.coherent.spectrum import CoherentSamples
 from benchtool.analysis.phase.phase_following import wander
 from benchtool.block import Block
@@ -41,13 +41,20 @@ def settling(periods: float, share: float, constant: float) -> tuple[np.ndarray,
     return time_s, 2 * np.pi * periods * turned
 
 
+def frequency_of(current: np.ndarray, track: PhaseTrack) -> Measurement:
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = {each.name: each for each in current_spectrum(block, "i_a", track).measurements}
+    return found["fundamental_frequency"]
+
+
+def mean_Hz(time_s: np.ndarray, theta: np.ndarray) -> float:
+    return float((theta[-1] - theta[0]) / (2 * np.pi * time_s[-1]))
+
+
 def off_in_u(current: np.ndarray, time_s: np.ndarray, theta: np.ndarray) -> float:
     """Return by how many standard uncertainties the frequency of a current without an angle is off."""
-    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
-    found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
-    frequency = found["fundamental_frequency"]
+    frequency, true_Hz = frequency_of(current, track_tone(current)), mean_Hz(time_s, theta)
     assert frequency.uncertainty is not None
-    true_Hz = float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1])
     return float((frequency.value - true_Hz) / frequency.uncertainty.standard)
 
 
@@ -77,12 +84,7 @@ def test_an_amplitude_that_rises_meanwhile_hides_no_speed_that_settles(rises: fl
     time_s, theta = settling(9.7, 2.9e-3, 0.37)
     load = 1.0 + rises * np.linspace(-0.5, 0.5, len(theta))
     current = load * np.cos(theta) + 3.8e-4 * np.random.default_rng(3).standard_normal(len(theta))
-    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
-    found = {each.name: each for each in current_spectrum(block, "i_a", track_tone(current)).measurements}
-    frequency, true_Hz = (
-        found["fundamental_frequency"],
-        float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1]),
-    )
+    frequency, true_Hz = frequency_of(current, track_tone(current)), mean_Hz(time_s, theta)
     assert frequency.uncertainty is not None
     assert abs(frequency.value - true_Hz) < 3.0 * frequency.uncertainty.standard
     assert frequency.uncertainty.standard < 2e-4 * true_Hz
@@ -92,14 +94,7 @@ def test_the_frequency_of_an_angle_that_was_computed_is_that_of_its_ends() -> No
     """Blocks of its course that are a row longer than others, or the record, made an error of 9e-6 rad."""
     time_s, theta = settling(9.1, -2.4e-3, 0.78)
     current = np.cos(theta) + 0.01 * np.random.default_rng(2).standard_normal(len(theta))
-    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
-    found = {
-        each.name: each for each in current_spectrum(block, "i_a", track_angle(theta / 4, 4)).measurements
-    }
-    frequency, true_Hz = (
-        found["fundamental_frequency"],
-        float(theta[-1] - theta[0]) / (2 * np.pi * time_s[-1]),
-    )
+    frequency, true_Hz = frequency_of(current, track_angle(theta / 4, 4)), mean_Hz(time_s, theta)
     assert frequency.uncertainty is not None
     assert abs(frequency.value - true_Hz) < 2.0 * frequency.uncertainty.standard
     assert frequency.uncertainty.standard < 3e-9 * true_Hz
