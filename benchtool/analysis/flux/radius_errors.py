@@ -131,4 +131,4 @@ def _pooled(one: MeanError, other: MeanError) -> MeanError:
         return one
     dof = one.dof + other.dof
     square = (one.dof * own2 + other.dof * other2) / dof
-    return MeanError(math.sqrt(square) * students_deviation(dof), dof, one.is_continued)
+    return MeanError(math.sqrt(square) * students_deviation(dof), dof, one.basis)

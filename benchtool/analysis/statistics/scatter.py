@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 from numpy import fft
@@ -40,22 +41,30 @@ _ROUNDS, _MOST_CORRELATED = 4, 0.4
 _ROUNDING = 1e-12  # of the largest value
 
 
+class Basis(StrEnum):
+    """What an error of a mean, and its degrees of freedom, are by, as a budget says it."""
+
+    SCATTER = ""
+    POOLED = ", pooled with its density at the lowest frequencies"
+    LOWEST = ", by its density at the lowest frequencies"
+    CONTINUED = ", by its density at the lowest frequencies, continued to zero"
+
+
 @dataclass(frozen=True)
 class MeanError:
     """Standard uncertainty of a mean, and its degrees of freedom; `standard` is nan where there is none.
 
-    It is the standard deviation of Student's distribution. Where `is_continued`, it is by the density at the
-    lowest frequencies of the record, continued to zero.
+    It is the standard deviation of Student's distribution. By the scatter of few values it has their degrees
+    of freedom, by the density of all samples more.
     """
 
     standard: float
     dof: float
-    is_continued: bool = False
+    basis: Basis = Basis.SCATTER
 
     def line(self, name: str, factor: float = 1.0) -> Contribution:
         """Return the line of a budget, `name`, in which the mean counts `factor` times."""
-        name = f"{name}, by its density at the lowest frequencies" if self.is_continued else name
-        return Contribution(name, "A", factor * self.standard, self.dof, of_student=True)
+        return Contribution(f"{name}{self.basis}", "A", factor * self.standard, self.dof, of_student=True)
 
 
 def error_of_series(values: NDArray[np.float64]) -> MeanError:
@@ -197,7 +206,7 @@ def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMO
     slow = slow_noise(values)
     if slow is None or (is_known and slow.standard <= error.standard):
         return error
-    return MeanError(slow.standard, slow.dof, is_continued=True)
+    return MeanError(slow.standard, slow.dof, Basis.CONTINUED)
 
 
 def at_lowest_frequencies(
@@ -258,7 +267,7 @@ def _of_density(
         return by_parts
     if (lowest := _where_none_rises(values, periods)) is not None:
         return max(by_parts, lowest, key=lambda each: each.standard)
-    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, is_continued=True)
+    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, Basis.CONTINUED)
 
 
 def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
@@ -273,7 +282,7 @@ def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
         return by_parts
     both = by_parts.dof + dof
     pooled2 = (by_parts.dof * own2 + dof * of_density2) / both
-    return MeanError(math.sqrt(pooled2) * students_deviation(both), both)
+    return MeanError(math.sqrt(pooled2) * students_deviation(both), both, Basis.POOLED)
 
 
 def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:
@@ -290,7 +299,7 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     if float(np.mean(power[:_LOWEST])) > float(np.mean(power[_LOWEST:])):
         return None
     dof = 2.0 * _LOWEST
-    return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof)
+    return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof, Basis.LOWEST)
 
 
 def means_of_blocks(
@@ -331,7 +340,7 @@ def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> Me
     dof = 2.0 * _LOWEST
     if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
         return by_parts
-    return MeanError(standard * students_deviation(dof), dof)
+    return MeanError(standard * students_deviation(dof), dof, Basis.LOWEST)
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:

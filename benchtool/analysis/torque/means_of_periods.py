@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -166,7 +166,7 @@ def mean_over_periods(
         by_parts = error_of_series(means)
         error = at_lowest_frequencies(rest, by_parts, periods, length, pooled=pooled, may_fall=may_fall)
     of_mean = 1.0 if lines is None else lines.of_mean
-    error = MeanError(math.hypot(of_mean * error.standard, not_repeated), error.dof)
+    error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
     course = None if trend is None else Course(trend.curve, size, trend.cycles)
     return MeanOverPeriods(left, mean, error, lines, course)
 
@@ -214,4 +214,4 @@ def _growth(counts: NDArray[np.int64]) -> float:
 
 
 def _times(size: float, error: MeanError, deviation: float) -> MeanError:
-    return MeanError(size * math.hypot(error.standard, deviation), error.dof)
+    return replace(error, standard=size * math.hypot(error.standard, deviation))

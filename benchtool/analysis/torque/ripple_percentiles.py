@@ -67,8 +67,8 @@ def _by_periods(samples: Floats, slow: SlowRipple) -> MeanError:
     # of how few periods have what is beyond, their scatter alone tells
     slowly = mean_over_periods(moved, repeats, pooled=not of_few > 1.0)
     incomplete = slowly.mean - float(np.mean(moved))
-    linear = MeanError(math.hypot(slowly.error.standard, incomplete, of_cycles), slowly.error.dof)
-    linear = MeanError(of_few * linear.standard, linear.dof)
+    of_linear = of_few * math.hypot(slowly.error.standard, incomplete, of_cycles)
+    linear = replace(slowly.error, standard=of_linear)
     # of most periods no sample is beyond: how long their ripple remembers shows in its size
     sizes = _sizes(rest, repeats)
     of_size = error_of_series(sizes)

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import signal
 
 from benchmarks.coverage.noise import coloured, fractional
 from benchtool.analysis.statistics.scatter import (
+    MeanError,
     at_lowest_frequencies,
     error_of_periods,
     error_of_record,
@@ -140,6 +142,24 @@ def test_a_memory_that_shows_is_continued_rather_than_refused() -> None:
     stated = [error_of_periods(each).standard for each in records]
     assert np.mean(refused) > 0.5
     assert np.mean(np.abs([np.mean(each) for each in records]) < 2.0 * np.array(stated)) >= 0.88
+
+
+def test_a_budget_says_that_degrees_of_freedom_are_not_of_the_few_values_alone() -> None:
+    random, periods = np.random.default_rng(8), 7
+    white, walk = random.standard_normal(1680), np.cumsum(random.standard_normal(1680))
+
+    def of(record: NDArray[np.float64], *, pooled: bool = False) -> MeanError:
+        by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
+        return at_lowest_frequencies(record, by_parts, periods, pooled=pooled)
+
+    turn = 2.0 * np.pi * np.arange(1680) / 1680
+    few, both, more = of(white), of(white, pooled=True), of(walk)
+    less = error_of_record(np.sin(11.3 * turn) + 1e-6 * white)
+    assert few.line("periods").name == "periods"
+    assert few.dof <= periods - 1 < both.dof
+    assert both.line("periods").name == "periods, pooled with its density at the lowest frequencies"
+    assert more.line("periods").name.endswith("frequencies, continued to zero")
+    assert less.line("parts").name == "parts, by its density at the lowest frequencies"
 
 
 def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> None:
