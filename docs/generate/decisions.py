@@ -194,7 +194,7 @@ SECTIONS: Final = (
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
         0077 0124 0434 0146 0163 0247 0311 0218 0397
-        0408 0443 0230 0290 0436 0445 0474 0476
+        0408 0443 0230 0290 0436 0445 0474 0476 0493 0494
         """,
     ),
     Section(

@@ -61,7 +61,8 @@ def _by_density(samples: NDArray[np.float64], by_parts: MeanError, count: int) -
     density of the samples, unless that rises too steeply: the means then have been continued."""
     if not math.isfinite(by_parts.standard):
         return by_parts
-    error = at_lowest_frequencies(samples, by_parts, count, pooled=True, may_fall=True)
+    marks = np.linspace(0.0, len(samples), count + 1)
+    error = at_lowest_frequencies(samples, by_parts, marks, pooled=True, may_fall=True)
     return error if math.isfinite(error.standard) else by_parts
 
 

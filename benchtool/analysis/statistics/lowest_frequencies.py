@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
@@ -74,10 +74,11 @@ class SlowNoise:
         return self.rise > _LOST
 
 
-def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
+def slow_noise(samples: Floats, periods: int = 0, beside: Sequence[Floats] = ()) -> SlowNoise | None:
     """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
 
-    `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out.
+    `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out. Where
+    nothing repeats, samples `beside` of the same noise, be they of any level and size, tell its density too.
     """
     found = _bands(samples, periods)
     if found is None:
@@ -86,7 +87,8 @@ def slow_noise(samples: Floats, periods: int = 0) -> SlowNoise | None:
     most = np.full(len(place), _MOST_OF_A_BAND)
     if periods >= _ENOUGH_PERIODS:
         most[place > periods // 2] = _ABOVE_PERIODS
-    return _averaged(place, mean, np.minimum(width, most), periods)
+    others = [_Beside.of(each, len(samples), place[-1]) for each in beside]
+    return _averaged(place, mean, np.minimum(width, most), periods, [each for each in others if each])
 
 
 def walk_probability(pieces: Sequence[Floats]) -> float | None:
@@ -108,8 +110,7 @@ def walk_probability(pieces: Sequence[Floats]) -> float | None:
     for (place, mean, width), piece in zip(found, pieces, strict=True):
         falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
         shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
-        fits = _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
-        log_weight = log_weight + fits
+        log_weight += _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
     weight = np.exp(log_weight - np.max(log_weight))
     of_models = weight[:-1].reshape(len(_EXPONENTS), -1, len(floors))
     steep, low = _EXPONENTS > 1.0, _CORNERS[usable] <= 1.0
@@ -174,6 +175,35 @@ def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
 
 
 @dataclass(frozen=True)
+class _Beside:
+    """Bands of a record that is `ratio` times as long as the one whose mean is looked for: their places, mean
+    power and number of bins, each of shape (bands,)."""
+
+    place: Floats
+    mean: Floats
+    count: Floats
+    ratio: float
+
+    @classmethod
+    def of(cls, samples: Floats, length: int, known: float) -> _Beside | None:
+        """Return those of samples, shape (n,), beside so many others, up to the place that these show; None
+        of too few."""
+        bands, ratio = _bands(samples, 0), len(samples) / length
+        if bands is None:
+            return None
+        kept = bands[0] <= known * ratio
+        place, mean, width = (each[kept] for each in bands)
+        if np.sum(width) < _FEWEST:
+            return None
+        return cls(place, mean, np.minimum(width, _MOST_OF_A_BAND), ratio)
+
+    def fits(self, usable: NDArray[np.bool_], floors: Floats, white: int) -> Floats:
+        """Return the logarithms of the likelihoods of all usable models, and of so many that are white."""
+        rising = _shapes(_blurred(self.place, self.ratio), usable, floors)
+        return _fits(np.vstack([rising, np.ones((white, len(self.place)))]), self.mean, self.count)
+
+
+@dataclass(frozen=True)
 class _Models:
     """What densities of noise make of the lowest `_SINGLE` bins, shape (exponents, corners, bins), and of the
     variance of the mean, shape (exponents, corners)."""
@@ -182,15 +212,17 @@ class _Models:
     of_mean: Floats
 
 
-@cache
-def _models() -> _Models:
-    """Return the models as a record shows them, which blurs frequencies by a cycle: sinc^2."""
+@lru_cache(maxsize=64)
+def _models(ratio: float = 1.0) -> _Models:
+    """Return the models as a record shows them that is `ratio` times as long as theirs, and blurs frequencies
+    by a cycle of its own: sinc^2."""
     fine, coarse = np.arange(_LOWEST, 40.0, 0.02), np.geomspace(40.0, 4000.0, 400)
     place = np.concatenate([fine, coarse])
+    density = _density(place)
+    place *= ratio
     width = np.gradient(place)
     bins = np.arange(_SINGLE + 1)[:, np.newaxis]
     blurred = np.sinc(place - bins) ** 2 + np.sinc(place + bins) ** 2
-    density = _density(place)
     seen = density @ (blurred * width).T
     of_mean = seen[:, :, 0]
     # without a corner these have as much below any lowest frequency as a mean has of it
@@ -212,8 +244,11 @@ def _density(place: Floats) -> Floats:
     return np.asarray((place**2 + corners**2) ** (-0.5 * exponents))
 
 
-def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowNoise:
-    """Return the error by all models, each of any size, with the weight that the bands give it."""
+def _averaged(
+    place: Floats, mean: Floats, count: Floats, periods: int, beside: Sequence[_Beside]
+) -> SlowNoise:
+    """Return the error by all models, each of any size, with the weight that the bands give it, and those of
+    records beside it."""
     usable, floors = _usable(place[-1])
     shape = _shapes(_blurred(place), usable, floors)
     level = _levels(usable, floors)
@@ -224,6 +259,8 @@ def _averaged(place: Floats, mean: Floats, count: Floats, periods: int) -> SlowN
     shape = np.vstack([shape, steady[:, 1:]])
     of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
     fits = _fits(shape, mean, count)
+    for each in beside:
+        fits += each.fits(usable, floors, len(steady))
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
@@ -295,11 +332,11 @@ def _usable(known: float) -> tuple[NDArray[np.bool_], Floats]:
     return usable, np.concatenate([[math.inf], _FLOORS[known > _FLOORS]])
 
 
-def _blurred(place: Floats) -> Floats:
-    """Return the densities at places in a record, the lowest of which it blurs, shape (exponents, corners,
-    places)."""
-    falling, single = _density(place), int(np.count_nonzero(place <= _SINGLE))
-    falling[:, :, :single] = _models().in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
+def _blurred(place: Floats, ratio: float = 1.0) -> Floats:
+    """Return the densities at places in a record that is `ratio` times as long as that of the models, the
+    lowest of which it blurs, shape (exponents, corners, places)."""
+    falling, single = _density(place / ratio), int(np.count_nonzero(place <= _SINGLE))
+    falling[:, :, :single] = _models(ratio).in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
     return falling
 
 

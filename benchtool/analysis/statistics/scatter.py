@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -175,10 +176,11 @@ def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError 
     return replace(error, standard=error.standard / (2.0 * root) * (1.0 + 0.5 * grows))
 
 
-def error_of_record(samples: NDArray[np.float64]) -> MeanError:
+def error_of_record(samples: NDArray[np.float64], beside: Sequence[NDArray[np.float64]] = ()) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
-    by the lowest frequencies where these hold much less."""
-    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)))
+    by the lowest frequencies where these hold much less, of which others `beside` with the same noise tell
+    too."""
+    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)), beside=beside)
 
 
 def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:
@@ -212,9 +214,9 @@ def error_of_periods(values: NDArray[np.float64], least: int = _FEWEST_OF_A_MEMO
 def at_lowest_frequencies(
     samples: NDArray[np.float64],
     by_parts: MeanError,
-    periods: int = 0,
-    length: float | None = None,
+    marks: NDArray[np.float64] | None = None,
     *,
+    beside: Sequence[NDArray[np.float64]] = (),
     pooled: bool = False,
     may_fall: bool = False,
 ) -> MeanError:
@@ -227,9 +229,9 @@ def at_lowest_frequencies(
     density rises below the lowest frequency of the record (`slow_noise`) and gives clearly more than the
     parts, it stands for them; where it rises more steeply than that of 1/f noise, the error is unknown (nan).
 
-    `periods` are the whole periods that the samples hold of what repeats, up to `length` of them, by which
-    the last may be more than a row. The scatter of few parts is `pooled` with the density where both agree.
-    Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero frequency
+    `marks`, shape (periods + 1,), are the sample numbers between which something repeats, if it does, of
+    which the last may be in the last row. The scatter of few parts is `pooled` with the density where both
+    agree. Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero frequency
     counts by its probability.
     """
     if not math.isfinite(by_parts.standard):
@@ -237,9 +239,11 @@ def at_lowest_frequencies(
         if not len(parts):
             return by_parts
         by_parts = error_of_series(parts)
-    values = means_of_blocks(samples, periods, length=length)
+    periods = 0 if marks is None else len(marks) - 1
+    values = means_of_blocks(samples, marks)
     by_parts = without_oscillations(values, by_parts)
-    slow = slow_noise(values, periods)
+    blocks = [means_of_blocks(each, None, max(1, len(each) * len(values) // len(samples))) for each in beside]
+    slow = slow_noise(values, periods, blocks)
     error = _of_density(values, by_parts, slow, periods, pooled=pooled)
     if slow is None or not may_fall or not math.isfinite(error.standard):
         return error
@@ -303,31 +307,26 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
 
 
 def means_of_blocks(
-    samples: NDArray[np.float64], periods: int, blocks: int = BLOCKS, length: float | None = None
+    samples: NDArray[np.float64], marks: NDArray[np.float64] | None = None, blocks: int = BLOCKS
 ) -> NDArray[np.float64]:
-    """Return the means of up to so many equal blocks of samples, shape (n,), all of which count, or all of
-    that `length`: at the edges of blocks a part of a sample.
-
-    Where each period has as many blocks, harmonics of what repeats do not alias beside harmonics.
+    """Return the means of up to so many blocks of samples, shape (n,): at the edges of blocks a part of a
+    sample. All are equal, and all samples count, or where something repeats between `marks`, shape
+    (periods + 1,), as many of them are equal parts of each period: what repeats is lines then, be its pace what
+    it may, and its harmonics do not alias beside harmonics.
     """
     count = len(samples)
-    length = float(count) if length is None else length
-    if count <= blocks:
-        if length == count:
-            return samples
-        # over a part of a row more, harmonics leak beside themselves
-        blocks = math.floor(length)
-    if 0 < periods <= blocks:
+    marks = np.array([0.0, count]) if marks is None else marks
+    even, periods = np.linspace(0.0, 1.0, len(marks)), len(marks) - 1
+    if count <= blocks and np.allclose(marks, count * even, rtol=0.0, atol=_ROUNDING * count):
+        return samples
+    # over a part of a row more, harmonics leak beside themselves
+    blocks = min(blocks, math.floor(marks[-1]))
+    if periods <= blocks:
         blocks -= blocks % periods
-    size = length / blocks
-    edges = size * np.arange(1, blocks)
-    rows = edges.astype(np.int64)
-    within = np.add.reduceat(samples, np.concatenate([[0], rows]))
-    within[-1] -= (count - length) * samples[-1]
-    moved = (edges - rows) * samples[rows]  # from the block after the edge to the one before it
-    within[:-1] += moved
-    within[1:] -= moved
-    return np.asarray(within / size)
+    edges = np.interp(np.linspace(0.0, 1.0, blocks + 1), even, marks)
+    sums = np.concatenate([[0.0], np.cumsum(samples - np.mean(samples))])
+    within = np.diff(np.interp(edges, np.arange(count + 1), sums))
+    return np.asarray(np.mean(samples) + within / np.diff(edges))
 
 
 def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> MeanError:

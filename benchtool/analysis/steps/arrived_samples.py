@@ -81,6 +81,7 @@ class ArrivedSamples:
     step: float
     left: float
     on_the_way: UnevenNoise | None = None
+    beside: tuple[Floats, ...] = ()
 
     @classmethod
     def of(
@@ -93,6 +94,7 @@ class ArrivedSamples:
         step: float,
         event: int = 0,
         drift: Slope | None = None,
+        beside: tuple[Floats, ...] = (),
     ) -> ArrivedSamples:
         """Return those of samples, shape (n,), from the instant `begin` on, after an event in some row.
 
@@ -113,7 +115,9 @@ class ArrivedSamples:
         else:
             settled = samples[rest:]
             course[rest:] = settled - without_a_line(settled) if drifts else np.mean(settled)
-            noise = Noise.of(settled)
+            elsewhere, noise = noise.rms, Noise.of(settled)
+            if not noise.rms < LOUD * elsewhere < LOUD**2 * noise.rms:
+                beside = ()
         on_the_way = _unlike(curve.uneven, noise, first, rest)
         rms: float | Floats = noise.rms
         if on_the_way is not None:
@@ -140,6 +144,7 @@ class ArrivedSamples:
             step=step,
             left=max(left_of_steps(noise.rms, step), left_beside_a_line(samples[rest:], step)),
             on_the_way=on_the_way,
+            beside=beside,
         )
 
     @property
@@ -207,7 +212,7 @@ class ArrivedSamples:
             of_mean = 0.0 if self.on_the_way is not None else self.noise.of_mean(len(self.values))
             return Contribution("noise of the samples", "A", of_mean)
         name, settled = "scatter over parts of the samples, and their correlation", self._at_rest
-        error = error_of_record(settled)
+        error = error_of_record(settled, self.beside)
         if math.isfinite(error.standard):
             return error.line(name, self._share)
         name = "scatter of the samples, too few of which are independent for that of a mean"

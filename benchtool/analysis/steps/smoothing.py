@@ -14,7 +14,7 @@ no. 2). Where there is no noise, the samples stay as they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar
@@ -86,7 +86,8 @@ class Noise:
             covariance, piece = noisiest, shorter
             return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
         together = _together(found)
-        offset = max(_offset(*each) for each in found if len(each[1]) >= _ALIKE * len(piece))
+        every = [each for _, each in found]
+        offset = max(_offset(*each, every) for each in found if len(each[1]) >= _ALIKE * len(piece))
         return cls(together, offset, _innovations(together, piece))
 
     @property
@@ -392,10 +393,11 @@ def _density(covariance: Floats, size: int) -> Floats:
     return np.maximum(density, _LEAST_DENSITY * float(np.max(density)))
 
 
-def _offset(covariance: Floats, piece: Floats) -> float:
+def _offset(covariance: Floats, piece: Floats, pieces: Sequence[Floats] = ()) -> float:
     """Return the standard deviation of the mean of a piece that its autocovariance does not hold: that of
-    noise whose density rises below the lowest frequency of the piece."""
-    slow = slow_noise(piece) if covariance[0] > 0.0 else None
+    noise whose density rises below the lowest frequency of the piece, as all `pieces` of that noise tell."""
+    beside = [each for each in pieces if each is not piece]
+    slow = slow_noise(piece, beside=beside) if covariance[0] > 0.0 else None
     if slow is None:
         return 0.0
     standard = min(slow.standard, _MOST_OF_RMS * math.sqrt(float(covariance[0])))

@@ -17,7 +17,7 @@ from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.steps.step_shape import HELD, Step
+from benchtool.analysis.steps.step_shape import HELD, TAIL, Step
 from benchtool.analysis.steps.step_validity import UNDECIDED
 from benchtool.analysis.uncertainty import Contribution, combined
 
@@ -136,4 +136,6 @@ def _arrived(
         drawn = tuple(each - late for each in since.drawn)
         since = Instant(since.place - late, since.standard, drawn).widened(late)
     seen = None if drift is None else drift.seen_from(step.sign)
-    return ArrivedSamples.of(values, course, since, band, noise, step.converter_step, event, seen)
+    last = round(TAIL * len(step.y))
+    beside = (step.y_before, *([step.y_clear[-last:]] if len(values) <= len(step.y) - last else []))
+    return ArrivedSamples.of(values, course, since, band, noise, step.converter_step, event, seen, beside)

@@ -162,9 +162,8 @@ def mean_over_periods(
     if trend is not None:
         error = _times(size, error_of_series(trend.rest), trend.apart)
     else:
-        length = float(repeats.edges[-1])
         by_parts = error_of_series(means)
-        error = at_lowest_frequencies(rest, by_parts, periods, length, pooled=pooled, may_fall=may_fall)
+        error = at_lowest_frequencies(rest, by_parts, repeats.edges, pooled=pooled, may_fall=may_fall)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
     course = None if trend is None else Course(trend.curve, size, trend.cycles)

@@ -69,7 +69,31 @@ def test_harmonics_of_few_rows_do_not_leak_over_a_part_of_a_row(length: float) -
         bins = np.abs(np.fft.rfft(values - np.mean(values))) / len(values)
         return float(np.max(bins[1:4]))
 
-    assert beside(means_of_blocks(ripple, 4, length=length)) < 0.02 * beside(ripple) < 1e-4
+    marks = np.linspace(0.0, length, 5)
+    assert beside(means_of_blocks(ripple, marks)) < 0.02 * beside(ripple) < 1e-4
+
+
+@pytest.mark.parametrize("count", [3000, 40_000])
+def test_a_ripple_whose_pace_changes_is_lines_over_its_angle(count: int) -> None:
+    """A speed that rises by 8 % over 100 periods, whose ripple leaks into the lowest bins over time."""
+    place = np.linspace(0.0, 1.0, count + 1)
+    turns = 100.0 * (0.96 * place + 0.04 * place**2)
+    ripple = np.diff(np.sin(2.0 * np.pi * turns)) / np.diff(turns)
+    marks = np.interp(np.arange(101.0), turns, np.arange(count + 1.0))
+
+    def lowest(values: np.ndarray) -> float:
+        return float(np.max(np.abs(np.fft.rfft(values - np.mean(values)))[1:6])) / len(values)
+
+    assert lowest(means_of_blocks(ripple, marks)) < 0.25 * lowest(ripple)
+
+
+def test_periods_without_an_even_pace_keep_the_mean_of_all_samples() -> None:
+    random = np.random.default_rng(5)
+    marks = np.concatenate([[0.0], np.sort(random.uniform(0.0, 9000.0, 29)), [9000.0]])
+    samples = random.standard_normal(9000)
+    values = means_of_blocks(samples, marks)
+    width = np.repeat(np.diff(marks), len(values) // 30)
+    assert np.sum(values * width) / np.sum(width) == pytest.approx(np.mean(samples), abs=1e-12)
 
 
 def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() -> None:
@@ -80,7 +104,7 @@ def test_the_mean_of_few_periods_of_white_noise_is_known_by_its_density_too() ->
         noise = random.standard_normal(2000)
         by_parts = error_of_series(np.mean(noise.reshape(4, 500), axis=1))
         for found, both in ((alone, False), (pooled, True)):
-            error = at_lowest_frequencies(noise, by_parts, 4, pooled=both)
+            error = at_lowest_frequencies(noise, by_parts, _marks(noise, 4), pooled=both)
             found.append(error.standard)
             assert error.standard > 0.0
     truth = 1.0 / np.sqrt(2000.0)
@@ -100,7 +124,9 @@ def test_a_mean_under_fractional_noise_and_one_of_levels_is_known_as_stated() ->
             if not is_fractional:
                 samples = samples + 0.3 * random.standard_normal(4000)
             periods = error_of_series(samples.reshape(40, 100).mean(axis=1))
-            errors.append(np.mean(samples) / at_lowest_frequencies(samples, periods, 40).standard)
+            errors.append(
+                np.mean(samples) / at_lowest_frequencies(samples, periods, _marks(samples, 40)).standard
+            )
         assert np.mean(np.abs(errors) < 2.0) >= 0.88
         assert 0.6 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
 
@@ -150,7 +176,7 @@ def test_a_budget_says_that_degrees_of_freedom_are_not_of_the_few_values_alone()
 
     def of(record: NDArray[np.float64], *, pooled: bool = False) -> MeanError:
         by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
-        return at_lowest_frequencies(record, by_parts, periods, pooled=pooled)
+        return at_lowest_frequencies(record, by_parts, _marks(record, periods), pooled=pooled)
 
     turn = 2.0 * np.pi * np.arange(1680) / 1680
     few, both, more = of(white), of(white, pooled=True), of(walk)
@@ -172,7 +198,7 @@ def test_a_density_that_rises_before_it_falls_is_not_continued_by_its_fall() -> 
     stated = []
     for record in records:
         by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
-        stated.append(at_lowest_frequencies(record, by_parts, periods).standard)
+        stated.append(at_lowest_frequencies(record, by_parts, _marks(record, periods)).standard)
     assert 0.8 * scatter < np.median(stated) < 3.0 * scatter
 
 
@@ -186,7 +212,9 @@ def test_the_mean_under_a_control_with_an_integral_is_known_better_than_the_dens
     for record in records:
         by_parts = error_of_series(np.mean(record.reshape(periods, -1), axis=1))
         for may_fall, found in stated.items():
-            found.append(at_lowest_frequencies(record, by_parts, periods, may_fall=may_fall).standard)
+            found.append(
+                at_lowest_frequencies(record, by_parts, _marks(record, periods), may_fall=may_fall).standard
+            )
     assert np.median(stated[False]) > 3.0 * scatter
     assert scatter < np.median(stated[True]) < 2.5 * scatter
 
@@ -211,3 +239,7 @@ def test_a_root_of_squares_that_few_clicks_make_is_as_far_from_the_truth_as_is_s
     errors = (roots - math.sqrt(30.5)) / np.array(stated)
     assert float(np.sqrt(np.mean(errors**2))) < 1.25
     assert np.mean(np.abs(errors) < 2.0) > 0.92
+
+
+def _marks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
+    return np.linspace(0.0, len(samples), periods + 1)
