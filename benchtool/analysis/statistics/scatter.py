@@ -231,8 +231,8 @@ def at_lowest_frequencies(
 
     `marks`, shape (periods + 1,), are the sample numbers between which something repeats, if it does, of
     which the last may be in the last row. The scatter of few parts is `pooled` with the density where both
-    agree. Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero frequency
-    counts by its probability.
+    agree. Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero
+    frequency counts by its probability.
     """
     if not math.isfinite(by_parts.standard):
         parts = means_of_parts(samples)
