@@ -194,7 +194,7 @@ SECTIONS: Final = (
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
         0077 0124 0434 0146 0163 0247 0311 0218 0397
-        0408 0443 0230 0290 0436 0445 0474 0476 0493 0494
+        0408 0443 0230 0290 0436 0445 0474 0476 0493 0494 0495
         """,
     ),
     Section(
@@ -237,7 +237,7 @@ SECTIONS: Final = (
         "Orders against the rotor angle, and how an error of the angle is told from a motion of the rotor "
         "(`benchtool.analysis.orders`, `benchtool.analysis.lines.course`).",
         """
-        0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487
+        0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487 0496
         0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491
         """,
     ),

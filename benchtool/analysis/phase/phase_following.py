@@ -324,8 +324,13 @@ class _Followed:
     @property
     def off_line(self) -> float:
         """Power between the harmonics below the third, where a phase that is off moves that of the
-        fundamental, however fast."""
-        return float(np.sum(self._squares[1][: _BELOW_ORDER * self.transformable.periods]))
+        fundamental, however fast: under Hann's window and without that near dc, so that a dc which decays
+        does not hide it."""
+        periods = self.transformable.periods
+        bins = self._bins[: _BELOW_ORDER * periods + 1].copy()
+        bins[::periods] = 0.0
+        tapered = bins[1:-1] - 0.5 * (bins[:-2] + bins[2:])
+        return float(np.sum(np.abs(tapered[periods // 2 :]) ** 2))
 
     def is_clearly(self, *, other_than: _Followed) -> bool:
         """Return whether it has more or less between the harmonics than the other, beyond chance."""

@@ -10,6 +10,7 @@ from enum import StrEnum
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
+from scipy import signal
 
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
@@ -29,6 +30,7 @@ BLOCKS = 4096
 """Parts of a record that its slow course is looked at in, usually."""
 
 _LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
+_OF_HANN, _CLEARLY_LESS = 0.375, 2.0  # mean square of the window; without leakage by chance not
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
@@ -179,8 +181,19 @@ def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError 
 def error_of_record(samples: NDArray[np.float64], beside: Sequence[NDArray[np.float64]] = ()) -> MeanError:
     """Return the error of the mean of samples, shape (n,), at equal times, by the means of up to 64 parts, or
     by the lowest frequencies where these hold much less, of which others `beside` with the same noise tell
-    too."""
-    return at_lowest_frequencies(samples, error_of_series(means_of_parts(samples)), beside=beside)
+    too.
+
+    An oscillation of which they hold no whole cycles moves the mean by where it begins. The lowest
+    frequencies show that, but as little as it does so in the mean itself.
+    """
+    parts = means_of_parts(samples)
+    by_parts = error_of_series(parts)
+    if len(parts) and not math.isfinite(by_parts.standard):
+        by_parts = _without_aliases(samples, parts, by_parts)
+    error = at_lowest_frequencies(samples, by_parts, beside=beside)
+    if error.basis is not Basis.LOWEST:
+        return error
+    return replace(error, standard=max(error.standard, _of_oscillations(samples)))
 
 
 def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:
@@ -311,7 +324,7 @@ def means_of_blocks(
 ) -> NDArray[np.float64]:
     """Return the means of up to so many blocks of samples, shape (n,): at the edges of blocks a part of a
     sample. All are equal, and all samples count, or where something repeats between `marks`, shape
-    (periods + 1,), as many of them are equal parts of each period: what repeats is lines then, be its pace what
+    (periods + 1,), as many are equal parts of each period: what repeats is lines then, be its pace what
     it may, and its harmonics do not alias beside harmonics.
     """
     count = len(samples)
@@ -340,6 +353,34 @@ def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> Me
     if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
         return by_parts
     return MeanError(standard * students_deviation(dof), dof, Basis.LOWEST)
+
+
+def _without_aliases(
+    samples: NDArray[np.float64], parts: NDArray[np.float64], by_parts: MeanError
+) -> MeanError:
+    """Return the error of the mean of samples, shape (n,), whose `parts` wander, by their lowest frequencies
+    where these hold no such wander: an oscillation of nearly as many cycles as there are parts makes it."""
+    standard = math.sqrt(float(np.mean(_tapered_power(samples)[1 : _LOWEST + 1])))
+    if _CLEARLY_LESS * standard**2 >= float(np.var(parts)) / len(parts):
+        return by_parts
+    dof = 2.0 * _LOWEST
+    return MeanError(standard * students_deviation(dof), dof, Basis.LOWEST)
+
+
+def _of_oscillations(samples: NDArray[np.float64]) -> float:
+    """Return the standard deviation of the mean of samples, shape (n,), by oscillations, wherever they begin
+    and however many cycles they have: 1 / (2 pi^2 k^2) of the mean square of k cycles."""
+    power = _tapered_power(samples)
+    number = np.arange(_LOWEST, len(power))
+    return math.sqrt(float(np.sum(power[_LOWEST:] / number**2))) / math.pi
+
+
+def _tapered_power(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the power of samples, shape (n,), in bins under Hann's window, which keeps oscillations from the
+    lowest of them, as the variance of a mean that noise of this density has, shape (n // 2 + 1,)."""
+    window = signal.windows.hann(len(samples), sym=False)
+    bins = fft.rfft((samples - np.sum(window * samples) / np.sum(window)) * window)
+    return np.asarray((bins.real**2 + bins.imag**2) / (_OF_HANN * len(samples) ** 2))
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:

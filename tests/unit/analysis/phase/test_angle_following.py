@@ -66,6 +66,16 @@ def test_a_slip_does_not_hide_that_a_wobble_is_the_encoders() -> None:
     assert len(doubt) == 0 or float(np.max(doubt)) < 1e-5
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_dc_that_decays_does_not_hide_that_a_wobble_is_the_encoders(seed: int) -> None:
+    """Thrice in a revolution of four periods."""
+    random = np.random.default_rng(seed)
+    angle = STEADY + 0.0153 * np.sin(0.75 * STEADY + random.uniform(0.0, 2.0 * np.pi))
+    noise = 1e-3 * random.standard_normal(SAMPLES) * (random.random(SAMPLES) < 0.2)
+    samples = current_of(STEADY) + 0.08 * np.exp(-T / 0.8) + noise
+    assert follow(samples, RATE_HZ, track_angle(angle, 1))[1].departure is None
+
+
 @pytest.mark.parametrize("begin", [0.1, 2.6, *at_length(1.3, 4.1)])
 def test_the_error_of_a_resolver_is_not_followed_where_the_rotor_swings_slowly_as_well(begin: float) -> None:
     """What a track by sixteenths of a period follows better is that swing, and not what it adds within."""

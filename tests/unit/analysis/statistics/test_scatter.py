@@ -54,6 +54,19 @@ def test_a_mean_under_flicker_noise_is_known_less_than_its_parts_say() -> None:
     assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
 
 
+@pytest.mark.parametrize("cycles", [17.5, 23.2, 60.4])
+def test_the_mean_over_no_whole_cycles_is_as_uncertain_as_where_they_begin(cycles: float) -> None:
+    random, turn, means, stated = np.random.default_rng(3), np.arange(1500) / 1500, [], []
+    for begin in np.arange(0.05, 1.0, 0.1):
+        noise = 1e-3 * random.standard_normal(1500)
+        record = np.sin(2.0 * np.pi * (cycles * turn + begin)) + noise
+        means.append(np.mean(record))
+        stated.append(error_of_record(record).standard)
+    scatter = float(np.sqrt(np.mean(np.square(means))))
+    assert min(stated) > 0.6 * scatter
+    assert np.median(stated) < 2.0 * scatter
+
+
 def test_the_mean_of_a_trend_is_not_known_to_less_than_the_trend() -> None:
     trend = np.linspace(-1.0, 1.0, 4000) + 1e-3 * np.random.default_rng(4).standard_normal(4000)
     assert not error_of_record(trend).standard < 0.5
