@@ -139,13 +139,20 @@ def _reasons(
     lacking: Callable[[Sequence[Measurement]], Mapping[str, Sequence[str]]],
     what: str,
 ) -> Iterator[str]:
-    """Yield why measurements have no value, or no uncertainty, each reason once."""
+    """Yield why measurements have no value, or no uncertainty, each reason once; of several that the same
+    measurements have in other cases the first, and how many there are."""
     found: dict[str, dict[str, None]] = {}
     for case in cases:
         for reason, names in lacking(case.measurements).items():
             found.setdefault(reason, {}).update(dict.fromkeys(names))
+    reasons: dict[tuple[str, ...], list[str]] = {}
     for reason, distinct in found.items():
-        yield f"{what}: {named(tuple(distinct))}: {reason}"
+        reasons.setdefault(tuple(distinct), []).append(reason)
+    for measured_names, (first, *others) in reasons.items():
+        more = (
+            f" (one of {len(others) + 1} such reasons in these cases: the report has all)" if others else ""
+        )
+        yield f"{what}: {named(measured_names)}: {first}{more}"
 
 
 def _of(case: Assessment, cases: Sequence[Assessment]) -> str:

@@ -117,7 +117,7 @@ def spectral_lines(
         for each in rows[:_LISTED]
     )
     slower = _slower(samples, unit, rows[0])
-    reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1]))
+    reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1], unit))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
     declared = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
@@ -199,14 +199,14 @@ def _windowed(samples: Floats) -> Complexes:
     return np.asarray(bins)
 
 
-def _not_apart(largest: Line, second: Line) -> str:
+def _not_apart(largest: Line, second: Line, unit: str) -> str:
     """Return why the largest line is ambiguous; empty if it is not."""
     both = math.hypot(largest.of_amplitude, second.amplitude if second.reason else second.of_amplitude)
     if largest.amplitude - second.amplitude > _APART * both:
         return ""
     return (
-        f"two lines, of {largest.amplitude:.4g} and {second.amplitude:.4g}, are equally large within their "
-        f"uncertainty: the table has both"
+        f"two lines, of {largest.amplitude:.4g} and {second.amplitude:.4g} {unit}, are equally large within "
+        f"their uncertainty: the table has both"
     )
 
 

@@ -46,7 +46,7 @@ def test_lines_are_listed_by_size_and_noise_is_not() -> None:
 def test_of_two_equal_lines_none_is_the_largest() -> None:
     found = spectral_lines(torque((120.0, 0.1), (240.3, 0.1), noise=0.02), "torque")
     assert np.isnan(found.measurements[0].value)
-    assert "equally large within their uncertainty" in found.measurements[0].reason
+    assert "Nm, are equally large within their uncertainty" in found.measurements[0].reason
     assert found.measurements[1].value == pytest.approx(0.1, rel=0.02)
     assert len(found.tables[0].rows) == 2
 
