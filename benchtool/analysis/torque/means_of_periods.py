@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.phase.period_marks import PeriodMarks
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import MeanError, at_lowest_frequencies, error_of_series
@@ -30,15 +31,12 @@ _OF_LAST = 16  # one in so many
 class Periods:
     """What repeats in a record: the rows at which it begins, shape (periods + 1,), the first 0, the last the
     row after the last; `name` says what it is. `per_revolution` of them make one of the rotor, 1 where that
-    is not known. `marks`, of the same shape, are the sample numbers up to which a row is before, if they are
-    known, and `as_far` the rows in which each turns as far as a record does behind the last, and at last
-    those behind it."""
+    is not known. `marks` tell, if they are known, where between rows each begins."""
 
     rows: NDArray[np.int64]
     name: str = "electrical periods"
     per_revolution: int = 1
-    marks: Floats | None = None
-    as_far: Floats | None = None
+    marks: PeriodMarks | None = None
 
     def __len__(self) -> int:
         return len(self.rows) - 1
@@ -46,7 +44,7 @@ class Periods:
     @property
     def edges(self) -> Floats:
         """The marks, or the rows where they are not known."""
-        return self.rows.astype(np.float64) if self.marks is None else self.marks
+        return self.rows.astype(np.float64) if self.marks is None else self.marks.numbers
 
     @property
     def turns(self) -> Floats:
@@ -74,8 +72,9 @@ class Periods:
         counts = np.diff(self.edges)
         # one that ends between the last two rows is among those behind, and makes nothing of the mean
         over = math.fmod(count - float(self.edges[-1]), float(counts[-1]))
-        if self.as_far is not None and count - float(self.edges[-1]) > float(self.as_far[-1]) - _OF_A_ROW:
-            return np.minimum(self.as_far[:-1], counts), float(self.as_far[-1])
+        as_far = None if self.marks is None else self.marks.as_far
+        if as_far is not None and count - float(self.edges[-1]) > float(as_far[-1]) - _OF_A_ROW:
+            return np.minimum(as_far[:-1], counts), float(as_far[-1])
         return np.minimum(over * counts / counts[-1], counts), over
 
     def places(self, count: int) -> Floats:

@@ -158,7 +158,7 @@ def ripple_of_rows(
     step = counting_step(samples)
     scatter = None
     if marks is not None:
-        repeats = Periods(rows_of_marks(marks.numbers), repeated, per_revolution, marks.numbers, marks.as_far)
+        repeats = Periods(rows_of_marks(marks.numbers), repeated, per_revolution, marks)
         scatter = scatter_of_periods(samples, repeats, step)
     unknown = ""
     if scatter is None or marks is None:

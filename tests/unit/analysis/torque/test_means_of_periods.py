@@ -36,7 +36,7 @@ def test_the_mean_is_over_the_angle_where_the_speed_drifts(growth: float) -> Non
     series = -np.sin(2 * np.pi * turns)
     whole = float(np.mean(series[: rows[-1]]))
     assert abs(whole) > 3e-4
-    assert abs(mean_over_periods(series, Periods(rows, marks=marks)).mean) < 0.2 * abs(whole)
+    assert abs(mean_over_periods(series, Periods(rows, marks=PeriodMarks(marks))).mean) < 0.2 * abs(whole)
 
 
 def test_the_incomplete_period_ends_where_the_rotor_is_while_its_speed_swings() -> None:
@@ -52,8 +52,8 @@ def test_the_incomplete_period_ends_where_the_rotor_is_while_its_speed_swings() 
         series = 0.1 * np.cos(6.0 * track.at(rows))
         marks = PeriodMarks.of(track)
         begins = np.ceil(marks.numbers - 1e-6).astype(np.int64)
-        for found, as_far in ((by_angle, marks.as_far), (by_pace, None)):
-            found.append(mean_over_periods(series, Periods(begins, marks=marks.numbers, as_far=as_far)).mean)
+        for found, each in ((by_angle, marks), (by_pace, PeriodMarks(marks.numbers))):
+            found.append(mean_over_periods(series, Periods(begins, marks=each)).mean)
     assert float(np.max(np.abs(by_pace))) > 2e-4
     assert float(np.max(np.abs(by_angle))) < 1e-5
 
@@ -74,13 +74,15 @@ def test_incomplete_revolutions_move_no_mean_by_where_rows_round() -> None:
         series = 0.06 * np.cos(turned / 4.0) + 0.03 * np.cos(0.5 * turned + 1.0) + 0.04 * np.cos(6.0 * turned)
         marks = per_period * np.arange(13.0)
         rows = np.ceil(marks - 1e-6).astype(np.int64)
-        errors.append(mean_over_periods(series, Periods(rows, per_revolution=4, marks=marks)).mean)
+        errors.append(
+            mean_over_periods(series, Periods(rows, per_revolution=4, marks=PeriodMarks(marks))).mean
+        )
     assert float(np.max(np.abs(errors))) < 3e-5  # 4e-4 by places of rounded rows
 
 
 def test_rows_are_in_their_periods_where_the_marks_are() -> None:
     marks = np.array([0.0, 3.5, 8.0])
-    repeats = Periods(np.array([0, 4, 8]), marks=marks)
+    repeats = Periods(np.array([0, 4, 8]), marks=PeriodMarks(marks))
     expected = [0.0, 1.0, 2.0, 3.0, 3.5 + 0.5 * 3.5 / 4.5]
     assert repeats.places(5) == pytest.approx(np.array(expected) / 7.0)
     assert repeats.places(10)[8:] == pytest.approx(1.0 + np.array([0.0, 1.0]) / 9.0)
@@ -92,7 +94,7 @@ def test_a_period_that_ends_between_the_last_two_rows_leaves_no_part_of_one() ->
         series = 0.1 * np.cos(2 * np.pi * 3 * np.arange(2042) / 92.777 + phase)
         marks = 92.777 * np.arange(22.0)  # the 22nd ends behind the last row
         rows = np.ceil(marks - 1e-6).astype(np.int64)
-        found = mean_over_periods(series, Periods(rows, marks=marks))
+        found = mean_over_periods(series, Periods(rows, marks=PeriodMarks(marks)))
         assert abs(found.mean) < 2e-6  # 4e-5 with the part
 
 
