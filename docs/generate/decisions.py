@@ -238,6 +238,7 @@ SECTIONS: Final = (
         "(`benchtool.analysis.orders`, `benchtool.analysis.lines.course`).",
         """
         0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487 0496
+        0497
         0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491
         """,
     ),

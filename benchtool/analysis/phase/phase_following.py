@@ -41,6 +41,7 @@ _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
 _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it in one step
 _BELOW_ORDER = 3
+_OF_DC, _NEAR_DC = 2, 8  # bins that a dc which decays is in; part of the distance to the fundamental
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _STEADY, _SLOWEST = 2, 4  # terms of a steady rise, and of the courses beside it that are looked at
@@ -324,13 +325,16 @@ class _Followed:
     @property
     def off_line(self) -> float:
         """Power between the harmonics below the third, where a phase that is off moves that of the
-        fundamental, however fast: under Hann's window and without that near dc, so that a dc which decays
-        does not hide it."""
-        periods = self.transformable.periods
-        bins = self._bins[: _BELOW_ORDER * periods + 1].copy()
-        bins[::periods] = 0.0
-        tapered = bins[1:-1] - 0.5 * (bins[:-2] + bins[2:])
-        return float(np.sum(np.abs(tapered[periods // 2 :]) ** 2))
+        fundamental, however fast: without that near dc, and the leakage of a line from the first period's
+        mean to the last one's, which a dc that decays has."""
+        coherent, periods = self.transformable, self.transformable.periods
+        means = np.mean(coherent.values.reshape(periods, -1)[[0, -1]], axis=1)
+        rise = float(means[1] - means[0]) * periods / max(1, periods - 1)
+        number = np.arange(max(_OF_DC, periods // _NEAR_DC), _BELOW_ORDER * periods)
+        number = number[number % periods > 0]
+        # of a line that rises by one over n samples the bins are (-1 + j cot(pi k / n)) / 2
+        leaked = 0.5 * rise * (-1.0 + 1j / np.tan(np.pi * number / len(coherent.values)))
+        return float(np.sum(np.abs(self._bins[number] - leaked) ** 2))
 
     def is_clearly(self, *, other_than: _Followed) -> bool:
         """Return whether it has more or less between the harmonics than the other, beyond chance."""

@@ -15,6 +15,7 @@ from benchtool.analysis.phase.phase_following import Wander
 from benchtool.analysis.phase.steady_departure import steady_departure
 from benchtool.analysis.phase.turned_phase import Turned
 from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
+from benchtool.analysis.quantisation.resolution import largest_even_step
 from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution
 
@@ -108,15 +109,17 @@ def _shows_turns(track: PhaseTrack) -> bool:
 
 def _of_counts(track: PhaseTrack, measured_rad: Floats) -> Turned | None:
     """Return the phase of an angle in counts that a constant speed explains; None where it does not."""
-    if not track.resolution_rad > 0.0:
+    step_rad = track.resolution_rad or track.pole_pairs * largest_even_step(measured_rad / track.pole_pairs)
+    if not step_rad > 0.0:
         return None
     rows = np.arange(track.samples, dtype=np.float64)
-    counted = line_through_counts(measured_rad, rows, _LESS_THAN_A_COUNT * track.resolution_rad)
+    counted = line_through_counts(measured_rad, rows, _LESS_THAN_A_COUNT * step_rad)
     if counted is None:
         return None
     source = "slopes that the counts of the angle allow"
     # a speed that is not quite constant shows nowhere but where counts pass
-    standard = max(counted.standard * (track.samples - 1), _of_beats(track))
+    of_beats = _of_beats(track) if track.resolution_rad > 0.0 else 0.0
+    standard = max(counted.standard * (track.samples - 1), of_beats)
     return Turned(counted.slope * (track.samples - 1), (Contribution(source, "B", standard),), source)
 
 

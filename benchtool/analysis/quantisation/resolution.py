@@ -151,15 +151,31 @@ def step_of_even_counts(angle_rad: NDArray[np.float64]) -> float:
     """Return the step in which an angle without jumps, shape (n,), counts where it turns the same number of
     steps, two or more, between all samples; else 0.
 
-    The steps are those of which samples and a whole turn are multiples: of a computed angle of constant speed
-    there are none, unless it is back where it was after whole turns. One step between all samples is such an
-    angle, too.
+    One step between all samples is a computed angle of constant speed, too.
+    """
+    step, between = _even_step(angle_rad)
+    return step if step * _FEWEST_COUNTS < between else 0.0
+
+
+def largest_even_step(angle_rad: NDArray[np.float64]) -> float:
+    """Return the largest step in which an angle without jumps, shape (n,), may count that turns as much
+    between all samples: of which samples and a whole turn are multiples; 0 where there is none.
+
+    An encoder, too, that passes two counts in every row shows one step between all samples.
+    """
+    return _even_step(angle_rad)[0]
+
+
+def _even_step(angle_rad: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the step of which samples and a whole turn are multiples, and what an angle turns between all
+    samples; 0 where that is not the same.
+
+    Of a computed angle of constant speed there is none, unless it is back where it was after whole turns.
     """
     few = _few(angle_rad)
     within = np.sort(np.mod(few - few[0], 2 * np.pi))
     values = np.append(within[np.diff(within, prepend=-1.0) > _EQUAL_RAD], 2 * np.pi)
     between = float(np.median(np.abs(np.diff(angle_rad)))) if len(angle_rad) > 1 else 0.0
     if not between > _EQUAL_RAD or np.ptp(np.diff(angle_rad)) > _EQUAL_RAD:
-        return 0.0
-    step = step_between(values, _FEWEST_LEVELS)
-    return step if step * _FEWEST_COUNTS < between else 0.0
+        return 0.0, between
+    return step_between(values, _FEWEST_LEVELS), between

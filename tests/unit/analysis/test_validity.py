@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.quantisation.resolution import (
+    largest_even_step,
     resolution,
     step_of_counts,
     step_of_even_counts,
@@ -62,6 +63,13 @@ def test_a_computed_angle_counts_in_no_steps() -> None:
     assert step_of_even_counts(0.3 + 0.0123456 * np.arange(5000.0)) == 0.0
     assert step_of_even_counts(2 * np.pi / 200 * np.arange(5000.0)) == 0.0  # back after 200 rows
     assert step_of_even_counts(np.cumsum(0.01 + 1e-6 * np.arange(500.0))) == 0.0
+
+
+def test_what_an_angle_turns_between_all_samples_may_be_a_count_where_a_turn_is_a_multiple_of_it() -> None:
+    assert largest_even_step(2 * np.pi / 360 * np.arange(430.0)) == pytest.approx(2 * np.pi / 360)
+    assert largest_even_step(2 * np.pi / 4096 * 14 * np.arange(500.0)) == pytest.approx(2 * np.pi / 2048)
+    assert largest_even_step(0.3 + 0.0123456 * np.arange(5000.0)) == 0.0
+    assert largest_even_step(np.cumsum(0.01 + 1e-6 * np.arange(500.0))) == 0.0
 
 
 @pytest.mark.parametrize("step", [0.0, 0.01])

@@ -32,6 +32,20 @@ def test_counts_that_repeat_all_over_the_record_leave_the_frequency_to_the_signa
     assert 0.7 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
 
 
+@pytest.mark.parametrize("f_Hz", [111.1039, 111.1165])
+@pytest.mark.parametrize("rows", [430, 860])
+def test_two_counts_in_every_row_tell_the_speed_to_a_count(rows: int, f_Hz: float) -> None:
+    """No row shows that they are not quite two; the angle is as even as a computed one."""
+    theta = 2 * np.pi * f_Hz * np.arange(rows) / RATE_HZ + 1.0
+    count = 2 * np.pi / 720
+    angle = np.floor(np.mod(theta / POLE_PAIRS, 2 * np.pi) / count) * count
+    current = np.cos(theta) + 1e-2 * np.random.default_rng(1).standard_normal(rows)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+    found = current_spectrum(block, "i_a", track_angle(angle, POLE_PAIRS)).measurements[0]
+    assert found.uncertainty is not None
+    assert abs(found.value - f_Hz) < 3.0 * found.uncertainty.standard < 0.5
+
+
 def test_an_encoder_that_errs_once_a_revolution_does_not_hide_the_phase_of_the_signal() -> None:
     random, ratios = np.random.default_rng(82), []
     place = np.arange(12_000) / 12_000
