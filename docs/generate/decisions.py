@@ -248,7 +248,7 @@ SECTIONS: Final = (
         "(`benchtool.analysis.flux`, `benchtool.analysis.spectra.unbalance`).",
         """
         0219 0289 0314 0363 0407
-        0042 0293 0302 0316 0341 0492
+        0042 0293 0302 0316 0341 0492 0498
         """,
     ),
     Section(

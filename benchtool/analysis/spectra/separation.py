@@ -119,7 +119,8 @@ class Separation:
     def over_record(self, rate_Hz: float, channel: str) -> tuple[Wander, float]:
         """Return how the fundamental moves about the track to both ends of the record, and the standard
         uncertainty of that by lines beside it, rad."""
-        if self.taken is None or not (self.by_signal or self.track.departure is not None):
+        follows = self.by_signal or self.track.departure is not None
+        if self.taken is None or not (follows or self.others is not None):
             return self.seen, self.close.turned_rad
         rest = wander(coherent_samples(self.rest, rate_Hz, self.track, channel, every=True))
         if self.by_signal:

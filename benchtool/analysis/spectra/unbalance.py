@@ -32,6 +32,7 @@ from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_at_lines
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED
@@ -70,10 +71,13 @@ _SOURCE = (
 @dataclass(frozen=True)
 class _Sequence:
     """A symmetrical component in the frame of the fundamental: `samples`, shape (n,), equally far apart in
-    angle, whose mean is its phasor."""
+    angle, whose mean is its phasor. `before` and `after` are the shares of the record, relative to these
+    periods, that are outside them."""
 
     samples: Phasors
     periods: int
+    before: float = 0.0
+    after: float = 0.0
 
     @cached_property
     def magnitude(self) -> float:
@@ -92,10 +96,22 @@ class _Sequence:
         return np.asarray(np.mean(self.samples.reshape(self.periods, -1), axis=1))
 
     @cached_property
+    def trend(self) -> AmplitudeTrend | None:
+        """The course of the real part of its mean, if that is one of few constants, and no step."""
+        found = amplitude_trend(self.of_periods.real, self.before, self.after)
+        return None if found is None or found.is_step else found
+
+    @cached_property
     def along(self) -> tuple[float, MeanError]:
-        """By how much the incomplete cycles of a swing move the real part of its mean, and its error."""
-        mean, error = self._error_of(self.samples.real, self.of_periods.real)
-        return float(np.mean(self.of_periods.real)) - mean, error
+        """By how much the incomplete cycles of a swing move the real part of its mean, and its error, which
+        is that about the course of an amplitude."""
+        of_periods, whole = self.of_periods.real, float(np.mean(self.of_periods.real))
+        if (trend := self.trend) is not None:
+            left = error_of_series(trend.rest)
+            standard = whole * math.hypot(left.standard, trend.of_level)
+            return -whole * trend.level, replace(left, standard=standard)
+        mean, error = self._error_of(self.samples.real, of_periods)
+        return whole - mean, error
 
     @cached_property
     def across(self) -> MeanError:
@@ -182,7 +198,8 @@ def current_unbalance(
     if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
-    sequences = [_Sequence(each, first.periods) for each in rotating]
+    before, after = FIRST_ROW / first.samples, (len(columns[0]) - FIRST_ROW) / first.samples - 1.0
+    sequences = [_Sequence(each, first.periods, before, after) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
     steps = _of_steps(parts, columns, tones)
@@ -276,7 +293,7 @@ def _component(
         common = magnitude / reference.magnitude * reference.turned.samples.real
         turned = replace(turned, samples=turned.samples - common)
     (moved, along), across, of_periods = turned.along, turned.across, turned.of_periods
-    if is_memory_untold(of_periods.real, of_periods.imag):
+    if turned.trend is None and is_memory_untold(of_periods.real, of_periods.imag):
         along = MeanError(math.nan, along.dof)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along

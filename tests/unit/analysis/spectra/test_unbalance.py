@@ -239,3 +239,26 @@ def test_a_load_that_falls_makes_no_negative_sequence(swing: float) -> None:
     assert found.uncertainty is not None
     assert abs(found.value) < 2.0 * found.uncertainty.expanded
     assert found.uncertainty.expanded < 1.5e-4
+
+
+@pytest.mark.parametrize("periods", [20.3, 54.4])
+@pytest.mark.parametrize("swing", [0.0, 0.03])
+def test_the_course_of_a_load_is_no_noise_of_its_positive_sequence(periods: float, swing: float) -> None:
+    """A line through the amplitudes and one swing about it: as noise of them it was 0.1 to 0.2 A of 5 A."""
+    count, random, errors = 12_000, np.random.default_rng(3), []
+    place = (np.arange(count) + 0.5) / count - 0.5
+    for _ in range(8):
+        theta = 2 * np.pi * (periods * place + random.uniform())
+        swung = np.cos(2 * np.pi * (3.0 * place + random.uniform()))
+        load = 5.0 * (1.0 - 0.05 * place + swing * swung)
+        columns = {
+            f"i_{phase}": load * np.cos(theta - 2 * np.pi / 3 * k) + 1e-3 * random.standard_normal(count)
+            for k, phase in enumerate("abc")
+        }
+        block = Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+        found = current_unbalance(block, track_angle(theta, 1))[0]
+        assert found.name == "current_sequence_positive"
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < (1e-4 if periods > 50.0 or not swing else 3e-3)
+        errors.append((found.value - 5.0) / found.uncertainty.standard)
+    assert float(np.sqrt(np.mean(np.square(errors)))) < 1.7
