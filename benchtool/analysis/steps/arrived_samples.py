@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import least_odds
+from benchtool.analysis.quantisation.read_noise import noise_of_readings
+from benchtool.analysis.quantisation.repeated_steps import noise_beside
 from benchtool.analysis.statistics.clicks import clicks_apart
 from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
@@ -43,6 +45,7 @@ _OF_TAIL, _OF_HEAVY_TAIL = 40, 10  # one sample in so many is of the tail, or of
 _LARGEST = 20  # deviations that tell whether both tails are alike
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
+_OF_SHAPE = 0.4  # of that, where noise hides the steps, whose distribution is not known
 _PLACES = 32  # in which an instant may be, each as likely
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _ON_THE_WAY = "noise of the samples on their way"
@@ -60,7 +63,8 @@ class ArrivedSamples:
     `at_rest`.
 
     `noise` is that about the course, but for that `on_the_way` where this is another than at rest; `step` is
-    that of a converter, of whose errors `left` is the standard uncertainty of the mean. Of shape (n,) are
+    that of a converter, of whose errors `left` is the standard uncertainty of the mean, and which adds
+    `added` to the mean square at rest. Of shape (n,) are
     `of_course`, the standard deviation of what noise has left in the course, `of_rest`, how much of the noise
     that leaves about it, and `of_times`, the standard deviation of each value because its time is not known.
     `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and `shares` how
@@ -80,6 +84,7 @@ class ArrivedSamples:
     noise: Noise
     step: float
     left: float
+    added: float = 0.0
     on_the_way: UnevenNoise | None = None
     beside: tuple[Floats, ...] = ()
 
@@ -110,12 +115,16 @@ class ArrivedSamples:
             along = _rest(course - drift.value * np.arange(end), first, band, noise.rms, event)
             if drift.goes_on_in(samples[along:]):
                 rest, drifts = along, True
+        noise_alone, added = noise_beside(noise.rms**2, step), 0.0
         if end - rest < _FEWEST_SAMPLES:
             rest = end
         else:
             settled = samples[rest:]
             course[rest:] = settled - without_a_line(settled) if drifts else np.mean(settled)
             elsewhere, noise = noise.rms, Noise.of(settled)
+            if not drifts:
+                noise_alone = noise_of_readings(settled, step)
+                added = max(0.0, float(np.var(settled)) - noise_alone**2)
             if not noise.rms < LOUD * elsewhere < LOUD**2 * noise.rms:
                 beside = ()
         on_the_way = _unlike(curve.uneven, noise, first, rest)
@@ -142,7 +151,8 @@ class ArrivedSamples:
             at_rest=end - rest,
             noise=noise,
             step=step,
-            left=max(left_of_steps(noise.rms, step), left_beside_a_line(samples[rest:], step)),
+            left=max(left_of_steps(noise_alone, step), left_beside_a_line(samples[rest:], step)),
+            added=added,
             on_the_way=on_the_way,
             beside=beside,
         )
@@ -154,8 +164,9 @@ class ArrivedSamples:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the values."""
-        return _rms(self.values)
+        """Root mean square of the values, without what the steps of a converter add to their scatter."""
+        square = _rms(self.values) ** 2 - self.added * self.at_rest / len(self.values)
+        return math.sqrt(max(0.0, square))
 
     def of_mean(self) -> Uncertainty | None:
         """Return the uncertainty of the mean."""
@@ -202,8 +213,9 @@ class ArrivedSamples:
         ]
         if self._is_heavy:
             noise.append(Contribution("one sample far from the others, or none", "A", self._of_one_far(rms)))
-        # the steps add their own power, and move all samples on one level together
-        power = _OF_SQUARE * self.step**2 / (2.0 * rms)
+        # steps that noise does not hide add a power of their own, and move all samples on one level together
+        untold = max(_OF_SHAPE, self.left / (_UNIFORM * self.step)) if self.step else 0.0
+        power = untold * _OF_SQUARE * self.step**2 / (2.0 * rms)
         steps = math.hypot(power, float(np.mean(self.values)) / rms * self.left)
         return _combined(noise, self._of_rows(self.rows, _rms), min(steps, _UNIFORM * self.step))
 

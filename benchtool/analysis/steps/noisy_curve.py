@@ -17,6 +17,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import least_odds
+from benchtool.analysis.quantisation.read_noise import noise_of_readings
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
 from benchtool.analysis.steps.clicks import converter_step
@@ -54,19 +55,21 @@ _TIED = 3.0  # standard deviations of the greatest value, and of another that ma
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
 _EVEN = 1e-3  # rows that their times scatter by: as much as rounding
 _OF_WINDOWS = 0.05  # of the noise: as much where there is less leaves windows beside it long enough
+_HIDES_ALL = 0.41  # of a step: noise that is read as half of one on average
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 
 
 def at_rest_error(at_rest: Floats, samples: Floats) -> float:
     """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
     of those `at_rest`; 0 where noise hides them, or there is no converter."""
-    return left_of_steps(float(np.std(at_rest)), converter_step(samples))
+    step = converter_step(samples)
+    return left_of_steps(noise_of_readings(at_rest, step), step)
 
 
-def left_of_steps(rms: float, step: float) -> float:
-    """Return the standard uncertainty that a converter's `step` leaves in a mean of samples that are read at
-    rest with this rms; 0 where noise hides it."""
-    return _left_of_steps(rms, step) * step / math.sqrt(12.0) if rms < HIDES * step else 0.0
+def left_of_steps(noise: float, step: float) -> float:
+    """Return the standard uncertainty that a converter's `step` leaves in the mean of samples under noise of
+    this rms; 0 where that hides it."""
+    return share_left(noise, step) * step / math.sqrt(12.0) if noise < _HIDES_ALL * step else 0.0
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,8 @@ def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -
 
 def _tracking_rms(step: Step, found: ArrivedSamples, window: str) -> Measurement:
     """Return the rms of the error, without the power that noise leaves in a reference."""
-    name, text = "tracking_error_rms", f"rms, with the mean, of {window}"
+    added = ", without what the steps of a converter add to its scatter" if found.added else ""
+    name, text = "tracking_error_rms", f"rms, with the mean, of {window}{added}"
     square, uncertain = found.rms**2, found.of_rms()
     if not len(step.r_errors) or uncertain is None or not square > 0.0:
         return step.number(name, text, found.rms, uncertain)

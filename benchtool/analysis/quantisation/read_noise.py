@@ -1,0 +1,52 @@
+"""Noise of a value at rest, by where a converter reads it and how much its readings scatter.
+
+Of little noise the readings of a value in the middle between two levels scatter by half a step, and of one on
+a level not at all: their variance alone does not tell it.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+Floats = NDArray[np.float64]
+
+_RMS = np.geomspace(0.01, 1.0, 80)  # of noise, in steps: of more a reading has a twelfth of a square besides
+_PLACES = np.linspace(0.0, 1.0, 201)  # of the value, from a level to the next
+_LEVELS = np.arange(-6, 8)
+_HIDDEN = 1.0 / 12.0  # of the square of a step, on average
+_WHOLE = 0.01  # of a step
+
+
+def noise_of_readings(readings: Floats, step: float) -> float:
+    """Return the rms of normal noise about a value whose `readings`, shape (n,), are whole steps apart: that
+    with which both their mean and their variance are as they are. Of others, as about a reference that moves,
+    the variance alone tells it."""
+    if not step > 0.0:
+        return float(np.std(readings))
+    apart = (readings - readings[0]) / step
+    level, variance = float(np.mean(apart)), float(np.var(apart))
+    if np.max(np.abs(apart - np.round(apart))) > _WHOLE:
+        return step * math.sqrt(max(0.0, variance - _HIDDEN))
+    place = level - math.floor(level)
+    means, variances = _read()
+    of_noise = np.array([np.interp(place, *each) for each in zip(means, variances, strict=True)])
+    if not variance < of_noise[-1]:
+        return step * math.sqrt(variance - _HIDDEN)
+    # of next to none the variance is that of two levels
+    rises = np.maximum.accumulate(of_noise)
+    return step * float(np.interp(variance, rises, _RMS, left=0.0))
+
+
+@cache
+def _read() -> tuple[Floats, Floats]:
+    """Return mean and variance of the readings of values at all places under noise of every rms, in steps,
+    both of shape (rms, places)."""
+    above = (_LEVELS + 0.5 - _PLACES[:, np.newaxis]) / _RMS[:, np.newaxis, np.newaxis]
+    share = np.diff(ndtr(above), axis=-1, prepend=0.0)
+    mean = share @ _LEVELS
+    return mean, share @ _LEVELS**2 - mean**2

@@ -1,0 +1,56 @@
+"""Noise by where a converter reads a value and how much its readings scatter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchtool.analysis import analyze_step
+from benchtool.analysis.quantisation.read_noise import noise_of_readings
+from benchtool.block import Block
+
+STEP = 0.3
+
+
+def readings(place: float, rms: float, seed: int = 0) -> np.ndarray:
+    noise = rms * np.random.default_rng(seed).standard_normal(8000)
+    return np.asarray(STEP * np.round(17.0 + place + noise))
+
+
+@pytest.mark.parametrize("place", [0.0, 0.2, 0.45, 0.5, 0.9])
+@pytest.mark.parametrize("rms", [0.3, 0.45, 0.9, 3.0])
+def test_noise_of_a_third_of_a_step_and_more_is_told_at_any_place(place: float, rms: float) -> None:
+    assert noise_of_readings(readings(place, rms), STEP) == pytest.approx(rms * STEP, rel=0.08)
+
+
+def test_next_to_no_noise_in_the_middle_between_levels_is_not_taken_for_half_a_step() -> None:
+    assert float(np.std(readings(0.5, 0.02))) == pytest.approx(0.5 * STEP, rel=0.01)
+    assert noise_of_readings(readings(0.5, 0.02), STEP) < 0.25 * STEP
+    assert noise_of_readings(readings(0.1, 0.02), STEP) < 0.05 * STEP
+
+
+def test_readings_about_a_reference_that_moves_are_told_by_their_variance() -> None:
+    moved = readings(0.0, 0.6) - 0.2 * STEP * np.sin(np.arange(8000.0))
+    expected = np.sqrt(float(np.var(moved)) - STEP**2 / 12.0)
+    assert noise_of_readings(moved, STEP) == pytest.approx(expected)
+    assert noise_of_readings(moved, 0.0) == pytest.approx(float(np.std(moved)))
+
+
+def test_the_tracking_error_is_without_what_two_levels_make_of_a_value_between_them() -> None:
+    """Which is half of a step, 7.8e-3, where the signal is off by the tail of its answer and little noise."""
+    random, time_s = np.random.default_rng(4), (np.arange(6000) - 500) / 10e3
+    r = np.where(time_s >= 0.0, 1.0, 0.0)
+    answer = np.where(time_s >= 0.0, 1.0 - np.exp(-np.maximum(time_s, 0.0) / 3e-3), 0.0)
+    step = 1.0 / 64.0
+    y = step * (np.round((answer + 2e-3 * random.standard_normal(6000)) / step - 0.5) + 0.5)
+    block = Block.from_arrays(10e3, {"y": "Nm", "r": "Nm"}, y=y, r=r)
+    found = {each.name: each for each in analyze_step(block, "y", "r").measurements}["tracking_error_rms"]
+    settled = int(np.flatnonzero(np.abs(answer - 1.0) > 0.02)[-1]) + 1
+    assert float(np.sqrt(np.mean((y - r)[settled:] ** 2))) > 7e-3
+    assert found.uncertainty is not None
+    assert found.value < 5e-3
+    assert (
+        abs(found.value - float(np.sqrt(np.mean((answer - r)[settled:] ** 2))))
+        < 2.5 * found.uncertainty.standard
+    )
+    assert "steps of a converter" in found.definition
