@@ -29,6 +29,11 @@ def test_next_to_no_noise_in_the_middle_between_levels_is_not_taken_for_half_a_s
     assert noise_of_readings(readings(0.1, 0.02), STEP) < 0.05 * STEP
 
 
+@pytest.mark.parametrize(("place", "rms"), [(0.25, 0.15), (0.4, 0.2), (0.75, 0.15), (0.1, 0.2)])
+def test_less_noise_is_told_by_how_far_from_a_level_the_value_is(place: float, rms: float) -> None:
+    assert noise_of_readings(readings(place, rms), STEP) == pytest.approx(rms * STEP, rel=0.2)
+
+
 def test_readings_about_a_reference_that_moves_are_told_by_their_variance() -> None:
     moved = readings(0.0, 0.6) - 0.2 * STEP * np.sin(np.arange(8000.0))
     expected = np.sqrt(float(np.var(moved)) - STEP**2 / 12.0)

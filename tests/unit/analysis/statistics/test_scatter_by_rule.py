@@ -13,10 +13,12 @@ from benchtool.analysis.statistics.scatter import (
     Basis,
     MeanError,
     at_lowest_frequencies,
+    error_of_periods,
     error_of_record,
     error_of_root,
     error_of_series,
     is_memory_untold,
+    mean_of_periods,
     without_oscillations,
 )
 
@@ -131,6 +133,17 @@ def test_where_a_control_may_hold_the_mean_the_error_is_never_more_than_without(
             at_lowest_frequencies(record, by_parts, even(record, 20), may_fall=each) for each in (False, True)
         )
         assert held.standard <= alone.standard or math.isnan(alone.standard)
+
+
+def test_the_mean_of_periods_is_that_about_a_slow_swing_and_else_their_mean() -> None:
+    noise = 1e-3 * np.random.default_rng(7).standard_normal(60)
+    mean, error = mean_of_periods(5.0 + noise)
+    assert mean == pytest.approx(5.0 + float(np.mean(noise)), abs=1e-12)
+    assert error == error_of_periods(5.0 + noise)
+    swing = np.sin(2.0 * np.pi * 2.4 * (np.arange(60) + 0.5) / 60)
+    about, of_rest = mean_of_periods(5.0 + noise + 0.1 * swing)
+    assert abs(about - 5.0) < 1e-3 < abs(float(np.mean(0.1 * swing)))
+    assert of_rest.standard < 4.0 * error.standard
 
 
 def test_a_record_of_rounding_alone_has_the_error_of_its_parts() -> None:
