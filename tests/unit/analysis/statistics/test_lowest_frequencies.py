@@ -9,12 +9,15 @@ import pytest
 from scipy.integrate import quad
 
 from benchmarks.coverage.noise import coloured, fractional, resonant
-from benchtool.analysis.statistics.lowest_frequencies import slow_noise
+from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
 
 
-def test_a_density_without_corner_that_rises_less_than_1_over_f_is_continued_to_zero() -> None:
+@pytest.mark.parametrize(("exponent", "within"), [(0.3, 0.3), (0.6, 0.1)])
+def test_a_density_without_corner_that_rises_less_than_1_over_f_is_continued_to_zero(
+    exponent: float, within: float
+) -> None:
     """Its power below any lowest frequency is finite: the variance is the integral of 2 sinc^2(f) f^-a."""
-    count, exponent = 4096, 0.6
+    count = 4096
     number = np.arange(1, count // 2)
     bins = np.zeros(count // 2 + 1, dtype=complex)
     phases_rad = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(number))
@@ -25,7 +28,7 @@ def test_a_density_without_corner_that_rises_less_than_1_over_f_is_continued_to_
         for each in range(30)
     )
     assert found is not None
-    assert found.standard == pytest.approx(math.sqrt(sum(parts)), rel=0.1)
+    assert found.standard == pytest.approx(math.sqrt(sum(parts)), rel=within)
 
 
 def test_other_samples_of_a_lag_s_noise_tell_that_it_does_not_rise_further() -> None:
@@ -69,3 +72,48 @@ def test_what_samples_beside_have_of_a_resonance_does_not_count_below_it() -> No
         assert beside is not None
         ratios.append(beside.standard / alone.standard)
     assert 0.8 < np.median(ratios) < 1.2
+
+
+def test_a_walk_is_told_by_all_pieces_in_whatever_order_and_size() -> None:
+    random = np.random.default_rng(13)
+    walks = [np.cumsum(random.standard_normal(count)) for count in (400, 700)]
+    found = walk_probability(walks)
+    assert found is not None
+    assert found > 0.8
+    other = walk_probability([1e3 + 5.0 * walks[1], -walks[0]])
+    assert other == pytest.approx(found, rel=1e-6)
+    assert walk_probability([walks[0], walks[1][:6]]) is None
+    for count in range(4):
+        noise = np.random.default_rng(count).standard_normal((2, 600))
+        assert walk_probability(list(noise)) == pytest.approx(0.0, abs=0.05)
+        pink = fractional(np.random.default_rng(count), 3000)
+        rises = walk_probability([pink[:800], pink[1500:2100]])
+        assert rises is not None
+        assert rises < 0.05
+
+
+def test_noise_that_a_control_takes_away_at_zero_is_told_to_fall() -> None:
+    """The mean of differences is that of both ends: sqrt(2) / n of what is differenced."""
+    random, count = np.random.default_rng(14), 2000
+    falls, of_falling, errors = [], [], []
+    for _ in range(20):
+        record = np.diff(random.standard_normal(count + 1))
+        found = slow_noise(record)
+        assert found is not None
+        falls.append(found.falls)
+        of_falling.append(found.of_falling)
+        errors.append(float(np.mean(record)))
+    assert np.median(falls) > 0.97
+    assert min(falls) > 0.2
+    assert np.median(of_falling) == pytest.approx(np.sqrt(2.0) / count, rel=0.5)
+    assert 0.5 < float(np.std(errors)) / np.median(of_falling) < 1.6
+    white = [slow_noise(random.standard_normal(count)) for _ in range(20)]
+    assert np.median([each.falls for each in white if each is not None]) < 0.3
+
+
+def test_two_standard_deviations_of_white_noise_hold_its_mean_in_95_of_100_records() -> None:
+    random = np.random.default_rng(15)
+    records = random.standard_normal((200, 600))
+    stated = np.array([getattr(slow_noise(each), "standard", np.nan) for each in records])
+    assert 0.9 <= float(np.mean(np.abs(np.mean(records, axis=1)) < 2.0 * stated)) <= 0.99
+    assert np.median(stated) == pytest.approx(1.0 / np.sqrt(600), rel=0.12)
