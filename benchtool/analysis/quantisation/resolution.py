@@ -19,6 +19,7 @@ _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one 
 _WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
 _EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
 _FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
+_MOST_COUNTS = 16  # between samples, that are looked for
 
 
 def resolution(samples: NDArray[np.float64]) -> float:
@@ -158,12 +159,18 @@ def step_of_even_counts(angle_rad: NDArray[np.float64]) -> float:
 
 
 def largest_even_step(angle_rad: NDArray[np.float64]) -> float:
-    """Return the largest step in which an angle without jumps, shape (n,), may count that turns as much
-    between all samples: of which samples and a whole turn are multiples; 0 where there is none.
+    """Return the largest step that may be one count, or a few, of an angle without jumps, shape (n,), which
+    turns as much between all samples: of it a whole turn is a multiple, and of its part the angle itself; 0
+    where there is none.
 
-    An encoder, too, that passes two counts in every row shows one step between all samples.
+    An encoder, too, that passes two counts in every row shows one step between all samples. A computed angle
+    of constant speed begins at a whole part of that by chance alone.
     """
-    return _even_step(angle_rad)[0]
+    step, _ = _even_step(angle_rad)
+    if not step > 0.0:
+        return 0.0
+    counts = float(angle_rad[0]) / step * np.arange(1, _MOST_COUNTS + 1)
+    return step if np.min(np.abs(counts - np.round(counts))) * step < _EQUAL_RAD else 0.0
 
 
 def _even_step(angle_rad: NDArray[np.float64]) -> tuple[float, float]:

@@ -68,6 +68,9 @@ def test_a_computed_angle_counts_in_no_steps() -> None:
 def test_what_an_angle_turns_between_all_samples_may_be_a_count_where_a_turn_is_a_multiple_of_it() -> None:
     assert largest_even_step(2 * np.pi / 360 * np.arange(430.0)) == pytest.approx(2 * np.pi / 360)
     assert largest_even_step(2 * np.pi / 4096 * 14 * np.arange(500.0)) == pytest.approx(2 * np.pi / 2048)
+    assert largest_even_step(2 * np.pi / 360 * (7.0 + np.arange(430.0))) == pytest.approx(2 * np.pi / 360)
+    assert largest_even_step(2 * np.pi / 360 * (7.5 + np.arange(430.0))) == pytest.approx(2 * np.pi / 360)
+    assert largest_even_step(2 * np.pi / 360 * (7.31 + np.arange(430.0))) == 0.0
     assert largest_even_step(0.3 + 0.0123456 * np.arange(5000.0)) == 0.0
     assert largest_even_step(np.cumsum(0.01 + 1e-6 * np.arange(500.0))) == 0.0
 
