@@ -93,7 +93,7 @@ def test_a_walk_is_told_by_all_pieces_in_whatever_order_and_size() -> None:
 
 
 def test_noise_that_a_control_takes_away_at_zero_is_told_to_fall() -> None:
-    """The mean of differences is that of both ends: sqrt(2) / n of what is differenced."""
+    """The mean of differences is that of the ends: sqrt(2) / n of the noise that is differenced."""
     random, count = np.random.default_rng(14), 2000
     falls, of_falling, errors = [], [], []
     for _ in range(20):
