@@ -29,6 +29,7 @@ def test_noise_is_that_of_fourth_differences() -> None:
     assert math.sqrt(float(np.mean(found))) == pytest.approx(1e-3, rel=0.1)
 
 
+@pytest.mark.slow
 def test_noise_of_a_followed_phase_counts_once() -> None:
     count = round(PERIODS / F_HZ * RATE_HZ)
     place = np.arange(count) / count

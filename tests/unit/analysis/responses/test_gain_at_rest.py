@@ -29,6 +29,7 @@ def _with_errors(truth: Complex | Floats, error: Floats, random: np.random.Gener
     return np.asarray(truth * (1.0 + error * (both[0] + 1j * both[1])))
 
 
+@pytest.mark.slow
 def test_a_gain_that_is_level_by_chance_is_not_that_at_rest() -> None:
     """On the way to a resonance gains of large errors look constant: more terms say that they are not."""
     frequency_Hz = np.arange(23.5, 140.0)
@@ -44,6 +45,7 @@ def test_a_gain_that_is_level_by_chance_is_not_that_at_rest() -> None:
     assert float(np.mean(np.abs(missed) < 2.0)) > 0.9
 
 
+@pytest.mark.slow
 def test_a_loop_with_an_integral_part_rises_just_above_rest() -> None:
     """The zero of its controller is where polynomials of f^2 end; errors hide that they are off."""
     frequency_Hz = np.arange(1.0, 120.0, 0.5)

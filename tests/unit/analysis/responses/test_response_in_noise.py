@@ -117,6 +117,7 @@ def test_no_gain_is_picked_because_noise_enlarged_it() -> None:
     assert abs(even) < 0.3 * biased
 
 
+@pytest.mark.slow
 def test_the_gain_at_rest_is_not_biased_by_gains_of_large_errors() -> None:
     frequency_Hz = np.arange(5.0, 1000.0, 1.25)
     truth = 1.0 / (1.0 - (frequency_Hz / 200.0) ** 2 + 0.1j * frequency_Hz / 200.0)

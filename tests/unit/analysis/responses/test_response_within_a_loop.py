@@ -81,6 +81,7 @@ def test_noise_of_the_loop_is_no_part_of_a_response_by_the_stimulus() -> None:
     assert "by the stimulus" in found.method
 
 
+@pytest.mark.slow
 def test_no_frequency_is_picked_because_noise_turned_its_response() -> None:
     """The residual is least for -1 over the controller: errors of single frequencies would prefer that."""
     turned: list[float] = []
@@ -105,6 +106,7 @@ def test_a_sweep_shows_the_noise_that_a_loop_feeds_back(rests: bool) -> None:
     assert abs(gain.value - 1.0) < 4.0 * gain.uncertainty.standard
 
 
+@pytest.mark.slow
 def test_noise_of_the_input_is_no_bias_of_a_sweep() -> None:
     errors = []
     for seed in range(8):

@@ -35,6 +35,7 @@ def _relative(found: Measurement, truth: float) -> float:
     return (found.value - truth) / found.uncertainty.standard
 
 
+@pytest.mark.slow
 def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     random = np.random.default_rng(11)
     row = np.arange(1600.0) - BEFORE
@@ -49,6 +50,7 @@ def test_a_corner_in_noise_is_as_high_and_as_early_as_stated() -> None:
     assert abs(np.mean(late)) < 0.8  # which windows that cut it off would move
 
 
+@pytest.mark.slow
 def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -> None:
     random = np.random.default_rng(12)
     y = 1.0 - np.exp(-np.maximum(np.arange(800.0) - BEFORE, 0.0) / 20.0)
@@ -59,6 +61,7 @@ def test_an_overshoot_of_zero_has_the_uncertainty_of_what_cannot_be_negative() -
     assert 0.6 < min(relative) < max(relative) < 2.0  # as near to it in every record
 
 
+@pytest.mark.slow
 def test_a_trough_as_deep_as_the_noise_has_the_uncertainty_of_what_noise_makes_of_a_plateau() -> None:
     random = np.random.default_rng(13)
     row = 0.06 * np.maximum(np.arange(800.0) - BEFORE, 0.0)

@@ -196,6 +196,7 @@ def test_a_beat_of_half_the_record_has_no_peak_to_peak() -> None:
     assert measured(record(50.2, 5))["torque_ripple_pp"].uncertainty is not None
 
 
+@pytest.mark.slow
 def test_extremes_on_a_drift_scatter_as_those_of_its_ends() -> None:
     drift = [
         record(40.3, seed) + 0.3 * np.linspace(-0.5, 0.5, round(40.3 * PER_PERIOD)) for seed in range(24)
