@@ -71,13 +71,15 @@ _SOURCE = (
 @dataclass(frozen=True)
 class _Sequence:
     """A symmetrical component in the frame of the fundamental: `samples`, shape (n,), equally far apart in
-    angle, whose mean is its phasor. `before` and `after` are the shares of the record, relative to these
-    periods, that are outside them."""
+    angle, whose mean is its phasor. `edges`, shape (periods + 1,), are where the periods begin and end in
+    time, from 0 to 1; `before` and `after` are the shares of the record, relative to them, that are outside.
+    """
 
     samples: Phasors
     periods: int
-    before: float = 0.0
-    after: float = 0.0
+    edges: Floats
+    before: float
+    after: float
 
     @cached_property
     def magnitude(self) -> float:
@@ -98,7 +100,7 @@ class _Sequence:
     @cached_property
     def trend(self) -> AmplitudeTrend | None:
         """The course of the real part of its mean, if that is one of few constants, and no step."""
-        found = amplitude_trend(self.of_periods.real, self.before, self.after)
+        found = amplitude_trend(self.of_periods.real, self.before, self.after, self.edges)
         return None if found is None or found.is_step else found
 
     @cached_property
@@ -199,7 +201,8 @@ def current_unbalance(
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
     before, after = FIRST_ROW / first.samples, (len(columns[0]) - FIRST_ROW) / first.samples - 1.0
-    sequences = [_Sequence(each, first.periods, before, after) for each in rotating]
+    edges = _edges(track, first)
+    sequences = [_Sequence(each, first.periods, edges, before, after) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
     steps = _of_steps(parts, columns, tones)
@@ -223,6 +226,14 @@ def current_unbalance(
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
+
+
+def _edges(track: PhaseTrack, part: CoherentSamples) -> Floats:
+    """Return where the periods of samples along a track begin and end in time, from 0 to 1, shape (periods +
+    1,)."""
+    begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
+    rows = track.sample_numbers(begin + 2.0 * np.pi * np.arange(part.periods + 1.0))
+    return np.asarray((rows - FIRST_ROW) / part.samples)
 
 
 def _course(sequence: _Sequence) -> Phasors:
