@@ -322,7 +322,7 @@ class _Followed:
         square[:: self.transformable.periods] = 0.0
         return lines, square
 
-    @property
+    @cached_property
     def off_line(self) -> float:
         """Power between the harmonics below the third, where a phase that is off moves that of the
         fundamental, however fast: without that near dc, and the leakage of a line from the first period's

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from benchtool.analysis.quantisation.repeated_steps import noise_beside
+
 Floats = NDArray[np.float64]
 
 _RMS = np.geomspace(0.01, 1.0, 80)  # of noise, in steps: of more a reading has a twelfth of a square besides
 _PLACES = np.linspace(0.0, 1.0, 201)  # of the value, from a level to the next
 _LEVELS = np.arange(-6, 8)
-_HIDDEN = 1.0 / 12.0  # of the square of a step, on average
 _WHOLE = 0.01  # of a step
 
 
@@ -26,17 +27,18 @@ def noise_of_readings(readings: Floats, step: float) -> float:
     """Return the rms of normal noise about a value whose `readings`, shape (n,), are whole steps apart: that
     with which both their mean and their variance are as they are. Of others, as about a reference that moves,
     the variance alone tells it."""
+    on_average = noise_beside(float(np.var(readings)), step)
     if not step > 0.0:
-        return float(np.std(readings))
+        return on_average
     apart = (readings - readings[0]) / step
     level, variance = float(np.mean(apart)), float(np.var(apart))
     if np.max(np.abs(apart - np.round(apart))) > _WHOLE:
-        return step * math.sqrt(max(0.0, variance - _HIDDEN))
+        return on_average
     place = level - math.floor(level)
     means, variances = _read()
     of_noise = np.array([np.interp(place, *each) for each in zip(means, variances, strict=True)])
     if not variance < of_noise[-1]:
-        return step * math.sqrt(variance - _HIDDEN)
+        return on_average
     # of next to none the variance is that of two levels
     rises = np.maximum.accumulate(of_noise)
     return step * float(np.interp(variance, rises, _RMS, left=0.0))

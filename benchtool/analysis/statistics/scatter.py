@@ -30,7 +30,8 @@ BLOCKS = 4096
 """Parts of a record that its slow course is looked at in, usually."""
 
 _LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
-_OF_HANN, _CLEARLY_LESS = 0.375, 2.0  # mean square of the window; without leakage by chance not
+_DOF_OF_LOWEST = 2.0 * _LOWEST
+_OF_HANN, _CLEARLY_LESS = 0.375, 2.0  # mean square of the window; times the power, beyond chance
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
@@ -294,7 +295,7 @@ def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
     if by_parts.dof > _FEW_PARTS or slow.rise > _RISES:
         return by_parts
     own2, of_density2 = (by_parts.standard / students_deviation(by_parts.dof)) ** 2, slow.standard**2
-    dof = 2.0 * _LOWEST
+    dof = _DOF_OF_LOWEST
     if not of_density2 > 0.0 or fisher_above(by_parts.dof, dof, own2 / of_density2) < _MORE:
         return by_parts
     both = by_parts.dof + dof
@@ -315,8 +316,12 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
     power = bins.real**2 + bins.imag**2
     if float(np.mean(power[:_LOWEST])) > float(np.mean(power[_LOWEST:])):
         return None
-    dof = 2.0 * _LOWEST
-    return MeanError(math.sqrt(float(np.mean(power[:_LOWEST]))) * students_deviation(dof), dof, Basis.LOWEST)
+    return _by_lowest(float(np.mean(power[:_LOWEST])))
+
+
+def _by_lowest(power: float) -> MeanError:
+    """Return the error of a mean by the mean power of the lowest bins."""
+    return MeanError(math.sqrt(power) * students_deviation(_DOF_OF_LOWEST), _DOF_OF_LOWEST, Basis.LOWEST)
 
 
 def means_of_blocks(
@@ -348,11 +353,10 @@ def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> Me
     if len(values) < _FEWEST_OF_LOWEST * _LOWEST or not by_parts.standard > 0.0:
         return by_parts
     bins = fft.rfft(values - np.mean(values))[1 : _LOWEST + 1] / len(values)
-    standard = math.sqrt(float(np.mean(bins.real**2 + bins.imag**2)))
-    dof = 2.0 * _LOWEST
-    if _FAR_BELOW * standard**2 >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
+    power = float(np.mean(bins.real**2 + bins.imag**2))
+    if _FAR_BELOW * power >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
         return by_parts
-    return MeanError(standard * students_deviation(dof), dof, Basis.LOWEST)
+    return _by_lowest(power)
 
 
 def _without_aliases(
@@ -360,11 +364,8 @@ def _without_aliases(
 ) -> MeanError:
     """Return the error of the mean of samples, shape (n,), whose `parts` wander, by their lowest frequencies
     where these hold no such wander: an oscillation of nearly as many cycles as there are parts makes it."""
-    standard = math.sqrt(float(np.mean(_tapered_power(samples)[1 : _LOWEST + 1])))
-    if _CLEARLY_LESS * standard**2 >= float(np.var(parts)) / len(parts):
-        return by_parts
-    dof = 2.0 * _LOWEST
-    return MeanError(standard * students_deviation(dof), dof, Basis.LOWEST)
+    power = float(np.mean(_tapered_power(samples)[1 : _LOWEST + 1]))
+    return by_parts if _CLEARLY_LESS * power >= float(np.var(parts)) / len(parts) else _by_lowest(power)
 
 
 def _of_oscillations(samples: NDArray[np.float64]) -> float:
