@@ -152,6 +152,28 @@ class SteadyAmplitude:
     trend: AmplitudeTrend | None = None
 
 
+@dataclass(frozen=True)
+class PeriodsInTime:
+    """Where the periods of a record begin and end in time, from 0 to 1, `edges` of shape (periods + 1,);
+    `before` and `after` are the shares of the record, relative to them, that are outside."""
+
+    edges: Floats
+    before: float
+    after: float
+
+    @classmethod
+    def of(cls, coherent: CoherentSamples, turns: Floats, first_row: int) -> PeriodsInTime:
+        """Return those of samples along `turns`, shape (rows,), which are periods from `first_row` on."""
+        rows = np.arange(len(turns), dtype=np.float64)
+        edges = (np.interp(np.arange(coherent.periods + 1), turns, rows) - first_row) / coherent.samples
+        before, after = first_row / coherent.samples, (len(turns) - first_row) / coherent.samples - 1.0
+        return cls(edges, before, after)
+
+    def trend(self, amplitudes: Floats) -> AmplitudeTrend | None:
+        """Return the trend of the amplitudes of the periods, shape (periods,), over the record."""
+        return amplitude_trend(amplitudes, self.before, self.after, self.edges)
+
+
 def with_steady_amplitude(
     coherent: CoherentSamples, amplitude: Floats, turns: Floats, first_row: int
 ) -> SteadyAmplitude:
@@ -162,10 +184,8 @@ def with_steady_amplitude(
     A course of the amplitude has sidebands beside all harmonics, whose tails are in the other ones. And where
     speed and amplitude swing together, the periods with the greater amplitude may be the longer ones.
     """
-    rows = np.arange(len(turns), dtype=np.float64)
-    edges = (np.interp(np.arange(coherent.periods + 1), turns, rows) - first_row) / coherent.samples
-    before, after = first_row / coherent.samples, (len(turns) - first_row) / coherent.samples - 1.0
-    trend = amplitude_trend(amplitude, before, after, edges)
+    in_time = PeriodsInTime.of(coherent, turns, first_row)
+    edges, trend = in_time.edges, in_time.trend(amplitude)
     if trend is None:
         factor = 1.0 + apart_in_time(amplitude, edges)
         return SteadyAmplitude(replace(coherent, values=factor * coherent.values))
@@ -180,7 +200,7 @@ def with_steady_amplitude(
         )
         # of a swing the amplitudes of periods are means, and a phasor is moved by a bend within its period
         left = wander(found.samples).amplitude
-        closer = amplitude_trend((1.0 + trend.over_periods) * left, before, after, edges)
+        closer = in_time.trend((1.0 + trend.over_periods) * left)
         if closer is None:
             break
         trend = closer

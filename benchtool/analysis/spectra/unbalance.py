@@ -32,10 +32,10 @@ from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_at_lines
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
-from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
+from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.current import current_of
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
-from benchtool.analysis.spectra.modulation import CORRELATED
+from benchtool.analysis.spectra.modulation import CORRELATED, PeriodsInTime
 from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.statistics.scatter import (
@@ -71,15 +71,11 @@ _SOURCE = (
 @dataclass(frozen=True)
 class _Sequence:
     """A symmetrical component in the frame of the fundamental: `samples`, shape (n,), equally far apart in
-    angle, whose mean is its phasor. `edges`, shape (periods + 1,), are where the periods begin and end in
-    time, from 0 to 1; `before` and `after` are the shares of the record, relative to them, that are outside.
-    """
+    angle, whose mean is its phasor."""
 
     samples: Phasors
     periods: int
-    edges: Floats
-    before: float
-    after: float
+    in_time: PeriodsInTime
 
     @cached_property
     def magnitude(self) -> float:
@@ -100,7 +96,7 @@ class _Sequence:
     @cached_property
     def trend(self) -> AmplitudeTrend | None:
         """The course of the real part of its mean, if that is one of few constants, and no step."""
-        found = amplitude_trend(self.of_periods.real, self.before, self.after, self.edges)
+        found = self.in_time.trend(self.of_periods.real)
         return None if found is None or found.is_step else found
 
     @cached_property
@@ -200,9 +196,10 @@ def current_unbalance(
     if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
-    before, after = FIRST_ROW / first.samples, (len(columns[0]) - FIRST_ROW) / first.samples - 1.0
-    edges = _edges(track, first)
-    sequences = [_Sequence(each, first.periods, edges, before, after) for each in rotating]
+    begin = track.at(np.array([float(FIRST_ROW)]))
+    turns = (track.at(np.arange(len(columns[0]), dtype=np.float64)) - begin) / (2.0 * np.pi)
+    in_time = PeriodsInTime.of(first, turns, FIRST_ROW)
+    sequences = [_Sequence(each, first.periods, in_time) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
     steps = _of_steps(parts, columns, tones)
@@ -226,14 +223,6 @@ def current_unbalance(
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
-
-
-def _edges(track: PhaseTrack, part: CoherentSamples) -> Floats:
-    """Return where the periods of samples along a track begin and end in time, from 0 to 1, shape (periods +
-    1,)."""
-    begin = float(track.at(np.array([float(FIRST_ROW)]))[0])
-    rows = track.sample_numbers(begin + 2.0 * np.pi * np.arange(part.periods + 1.0))
-    return np.asarray((rows - FIRST_ROW) / part.samples)
 
 
 def _course(sequence: _Sequence) -> Phasors:
