@@ -75,6 +75,11 @@ class PhaseTrack:
             return smooth
         return smooth + self.departure(np.clip(numbers, 0.0, self.samples - 1.0))
 
+    def turns_from(self, row: int) -> NDArray[np.float64]:
+        """Return the electrical periods from a row to every sample, shape (samples,), negative before it."""
+        phase = self.at(np.arange(self.samples, dtype=np.float64))
+        return np.asarray((phase - self.at(np.array([float(row)]))) / (2.0 * np.pi))
+
     @property
     def periods(self) -> float:
         """Electrical periods between the first and the last sample."""

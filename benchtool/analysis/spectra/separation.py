@@ -168,8 +168,7 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
 def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
     coherent, track, seen = follow(samples, rate_Hz, track, channel)
     spectrum = spectrum_of(coherent)
-    begin = track.at(np.array([float(FIRST_ROW)]))
-    turns = (track.at(np.arange(len(samples), dtype=np.float64)) - begin) / (2.0 * np.pi)
+    turns = track.turns_from(FIRST_ROW)
     course = course_of(turns, FIRST_ROW, coherent)
     others = between_harmonics(coherent, spectrum, course)
     clean = spectrum if others is None else spectrum_of(without(coherent, others, course))

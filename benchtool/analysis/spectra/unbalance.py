@@ -196,9 +196,7 @@ def current_unbalance(
     if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
-    begin = track.at(np.array([float(FIRST_ROW)]))
-    turns = (track.at(np.arange(len(columns[0]), dtype=np.float64)) - begin) / (2.0 * np.pi)
-    in_time = PeriodsInTime.of(first, turns, FIRST_ROW)
+    in_time = PeriodsInTime.of(first, track.turns_from(FIRST_ROW), FIRST_ROW)
     sequences = [_Sequence(each, first.periods, in_time) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
