@@ -14,6 +14,7 @@ from benchtool.analysis.orders.between_orders import (
     fitted_share,
     noise_between_orders,
 )
+from benchtool.analysis.orders.order_courses import CoursesByAngle, of_levels
 from benchtool.analysis.orders.slow_course import Turns, is_no_chance, slow_course
 from benchtool.analysis.validity import require_signal
 from benchtool.errors import AnalysisError
@@ -39,8 +40,8 @@ class AngleFit:
 
     `standard` is the standard uncertainty of the peak amplitude, shape (K,), by `uncertainty_source`; `noise`
     is the part of it that noise has, an estimate of `noise_dof` degrees of freedom, shape (K,): nan where the
-    angles do not tell it. `left_rms` is what the fit does not explain. `on_a_course` is whether a course of
-    the values from revolution to revolution was taken off before.
+    angles do not tell it. `left_rms` is what the fit does not explain. `on_a_course` is whether a course
+    from revolution to revolution, of the values or of the amplitude of an order, was taken off before.
     """
 
     coefficient: NDArray[np.complex128]
@@ -67,7 +68,8 @@ def fit_orders(
     highest fitted order may alias into those below: it is not filtered.
 
     A course that the values clearly have from revolution to revolution, as a speed that is run up has, is
-    taken off (`slow_course`): within each it looks like orders.
+    taken off (`slow_course`): within each it looks like orders. So is a course of the amplitude of an order
+    that a curve explains, down to its level (`CoursesByAngle`).
 
     The uncertainty is the scatter over revolutions (four at least), by a variance that is robust to
     correlation within a revolution (the sandwich formula, clustered by revolution); with fewer it is the
@@ -106,21 +108,32 @@ def fit_orders(
 
     factor = cho_factor(_normal(total, order))
     of_weights = _both_sides(sums[:, : 2 * order + 1])
-    solution = np.zeros(2 * order + 1, dtype=np.complex128)
-    turns = _turns(coverage, weights)
+    turns, of_each = _turns(coverage, weights), np.real(sums[:, 0])
+    passed = (coverage.angle_rad - coverage.angle_rad.min()) / TURN
+    courses = CoursesByAngle.none_over(turns)
+    has_course = False
     for taken_off in range(1 + _PASSES):
         # the unknowns c of exp(1j k angle), k = -order ... order
         full = _both_sides(products[:, : order + 1])
         solution = cho_solve(factor, full.sum(axis=0))
-        explained = fftconvolve(of_weights, solution[np.newaxis], "valid", axes=1)
-        scores = full - explained  # of each revolution; they add up to zero
-        course = slow_course(np.real(scores[:, order]), turns) if taken_off < _PASSES else None
-        if course is None or not (taken_off or is_no_chance(course)):
+        scores = full - fftconvolve(of_weights, solution[np.newaxis], "valid", axes=1)  # add up to zero
+        shift = cho_solve(factor, scores.T)[order + 1 :]
+        if taken_off == _PASSES:
             break
-        off = course((coverage.angle_rad - coverage.angle_rad.min()) / TURN)
-        off -= weights @ off
+        off = np.zeros(len(values))
+        course = slow_course(np.real(scores[:, order]), turns)
+        if course is not None and (has_course or is_no_chance(course)):
+            has_course = True
+            off += course(passed)
+            off -= weights @ off
+        each = 2.0 * (solution[order + 1 :, np.newaxis] + (shift / of_each)[:, turns.whole])
+        known, courses = courses, courses.found_in(each)
+        off += courses.beside_levels(passed, coverage.angle_rad)
+        off -= known.beside_levels(passed, coverage.angle_rad)
+        if not np.any(off):
+            break
         values = values - off
-        products = products - _sums(coverage, weights, off, max(order, 1))[1]
+        products = products[:, : order + 1] - _sums(coverage, weights, off, order)[1]
     coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
     towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
     revolutions = len(scores)
@@ -129,17 +142,17 @@ def fit_orders(
     if coverage.revolutions >= _FEWEST_REVOLUTIONS:
         # one that is not complete counts as the part that it is
         alike = 1.0 / float(np.sum(np.real(sums[:, 0]) ** 2))
-        shift = cho_solve(factor, scores.T)[order + 1 :]
         turned = np.conj(towards)[:, np.newaxis] * shift
         along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
         left = 1.0 - max(1.0 / alike, fitted)
         freedom = np.full(order, max(1.0, alike * left))
-        noise = standard = 2.0 * np.sqrt(along2 / left)
+        noise = 2.0 * np.sqrt(along2 / left)
+        standard = np.hypot(noise, of_levels(courses.courses, order))
         what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
             lost = _lost(coefficient, along2, across2, revolutions)
-            lost = np.maximum(lost, _turned(coefficient, shift, np.real(sums[:, 0])))
+            lost = np.maximum(lost, _turned(coefficient, shift, of_each))
             standard = np.hypot(standard, lost)
             source += ", and what a phase that wanders takes off it"
     else:
@@ -153,7 +166,16 @@ def fit_orders(
             noise, freedom = noise_between_orders(coefficient, between, share)
             standard = noise
     mean = float(np.real(solution[order]))
-    return AngleFit(coefficient, standard, source, mean, math.sqrt(power), noise, freedom, taken_off > 0)
+    return AngleFit(
+        coefficient,
+        standard,
+        source,
+        mean,
+        math.sqrt(power),
+        noise,
+        freedom,
+        has_course or bool(courses.courses),
+    )
 
 
 def _lost(
@@ -243,7 +265,15 @@ def _turns(coverage: AngleCoverage, weights: NDArray[np.float64]) -> Turns:
     middle = np.bincount(group, weights=weights * turns, minlength=rows)[visited] / weight
     first = np.unique(np.floor(turns * _PLACES), return_index=True)[1]
     places = np.bincount(group[first], minlength=rows)[visited]
-    return Turns(middle, np.asarray(weight, dtype=np.float64), places, float(np.mean(visits[visited])))
+    edges = np.ceil(np.arange(rows + 1) * (int(coverage.revolution.max()) + 1) / rows)
+    return Turns(
+        middle=middle,
+        edges=np.stack([edges[:-1], edges[1:]], axis=1)[visited],
+        total=coverage.revolutions,
+        weight=np.asarray(weight, dtype=np.float64),
+        places=places,
+        rows=float(np.mean(visits[visited])),
+    )
 
 
 def _groups(coverage: AngleCoverage) -> tuple[NDArray[np.int64], int]:

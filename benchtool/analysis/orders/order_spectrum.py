@@ -10,7 +10,12 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import CoherentSamples, coherent_samples_of_all, spectrum_of
+from benchtool.analysis.coherent.spectrum import (
+    FIRST_ROW,
+    CoherentSamples,
+    coherent_samples_of_all,
+    spectrum_of,
+)
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
@@ -23,11 +28,13 @@ from benchtool.analysis.orders.angle import (
     unwrapped_angle,
 )
 from benchtool.analysis.orders.angle_orders import AngleFit, fit_orders
+from benchtool.analysis.orders.order_courses import of_levels, without_courses
 from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
+from benchtool.analysis.spectra.modulation import PeriodsInTime
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
 from benchtool.block import Block
@@ -44,6 +51,7 @@ BY_CHANCE = 0.01
 """Share of records of noise alone in which one of all orders exceeds what noise is taken to cause."""
 
 _OF_DOF = 0.75  # the median of pairs of bins scatters more than their mean: so many of its degrees of freedom
+_STANDS_OUT = 5.0  # standard uncertainties: the course of an amplitude in less is one of noise
 _OF_OTHERS = 4.5  # standard uncertainties by resolution, resampling and wobble of the angle
 
 
@@ -85,7 +93,11 @@ class OrderSpectrum:
             return Uncertainty(math.nan, source, dof)
         by_noise = factor * math.sqrt(max(0.0, standard**2 - others**2))
         noise = Contribution("noise", "A", by_noise, dof, of_student=True)
-        rest = Contribution("resolution, resampling, wobble and wander of the phase", "B", factor * others)
+        rest = Contribution(
+            "resolution, resampling, wobble and wander of the phase, course of the amplitude",
+            "B",
+            factor * others,
+        )
         return combined((noise, rest), source) or Uncertainty(math.nan, source)
 
     @property
@@ -227,8 +239,14 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
-    amplitude = spectrum.amplitude[orders * turns]
     noise = line_noise(spectrum, orders * turns)
+    wander = orders[noise.wanders & (spectrum.amplitude[orders * turns] > _STANDS_OUT * noise.in_phase)]
+    in_time = PeriodsInTime.of(along.samples[channel], track.turns_from(FIRST_ROW), FIRST_ROW)
+    steady, courses = without_courses(along.samples[channel], wander, in_time)
+    if courses:
+        spectrum = spectrum_of(steady)
+        noise = line_noise(spectrum, orders * turns)
+    amplitude = spectrum.amplitude[orders * turns]
     step = counting_step(samples)
     steps = converter_steps(spectrum, step, level=level_of(samples, step))
     by_steps = repeated_quantisation(spectrum, steps)[0][:count]
@@ -240,7 +258,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         ]
     )
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
-    others = np.sqrt(noise.lost**2 + by_steps**2 + resampling**2 + lost**2 + beside**2)
+    of_level = of_levels(courses, count)
+    others = np.sqrt(of_level**2 + noise.lost**2 + by_steps**2 + resampling**2 + lost**2 + beside**2)
     # of one pair, whose distribution has no deviation, the noise of a line allows for more
     by_noise = np.maximum(noise.in_phase, _of_student(noise.experimental, noise.dof))
     about = f"{wobble.rms_rad:.2g} rad rms of {'the stated speed' if along.stated else 'wobble'}"
@@ -253,7 +272,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         others=others,
         mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
         revolutions=float(turns),
-        method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}",
+        method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}"
+        + (", less the courses of amplitudes from revolution to revolution" if courses else ""),
         uncertainty_source="noise and leakage beside the order, resampling, resolution, wander of the phase, "
         f"and {about}",
         dof=noise.dof,

@@ -20,13 +20,21 @@ _CLEARLY = 3.3  # standard deviations of what neighbours have in common
 
 @dataclass(frozen=True)
 class Turns:
-    """Revolutions, or groups of them, in order: the middle of each, in turns, its weight, and at how many
-    places of the circle it has rows, of shape (n,), and how many rows each has on average."""
+    """Revolutions, or groups of them, in order: the middle of each and its `edges`, shape (n, 2), in turns,
+    its weight, and at how many places of the circle it has rows, of shape (n,), how many rows each has on
+    average, and how many turns there are in `total`."""
 
     middle: NDArray[np.float64]
+    edges: NDArray[np.float64]
     weight: NDArray[np.float64]
     places: NDArray[np.int64]
     rows: float
+    total: float
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """Which of them have rows nearly all round, shape (n,)."""
+        return np.asarray(self.places > _WHOLE * np.max(self.places))
 
 
 @dataclass(frozen=True)
