@@ -72,7 +72,8 @@ class Periods:
             coverage = angle_coverage(self.record.column("angle"), angle)
         except AnalysisError:
             return Repetition()
-        marks = PeriodMarks(revolution_rows(coverage.angle_rad).astype(np.float64))
+        in_rows = PeriodMarks(revolution_rows(coverage.angle_rad).astype(np.float64))
+        marks = PeriodMarks.of_angle(coverage.angle_rad, 2.0 * math.pi) or in_rows
         return Repetition(marks, f"revolutions of {angle}")
 
     @property

@@ -28,6 +28,23 @@ class PeriodMarks:
         numbers = track.period_marks()
         return cls(numbers, track.rows_as_far(numbers))
 
+    @classmethod
+    def of_angle(cls, angle_rad: NDArray[np.float64], turn_rad: float) -> PeriodMarks | None:
+        """Return where turns begin of an angle without wraps, shape (n,), of either direction and any speed;
+        None where it stands, turns back, counts in steps or has fewer than one turn."""
+        travelled = np.abs(angle_rad - angle_rad[0])
+        if not np.all(np.diff(travelled) > 0.0):
+            return None
+        rows = np.arange(len(travelled) + 1.0)
+        travelled = np.append(travelled, 2.0 * travelled[-1] - travelled[-2])
+        turns = int(travelled[-2] / turn_rad)
+        if turns < 1:
+            return None
+        begins = turn_rad * np.arange(turns + 1.0)
+        numbers = np.interp(begins, travelled, rows)
+        reached = np.interp(begins + travelled[-1] - begins[-1], travelled, rows)
+        return cls(numbers, reached - numbers)
+
 
 def marks_of_rotor(track: PhaseTrack) -> PeriodMarks:
     """Return where periods begin by where the rotor is, also while its speed swings, if the track was made

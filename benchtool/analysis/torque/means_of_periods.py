@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 FEWEST_PERIODS = 3
 """Fewest periods whose scatter is used."""
 
+_APART_IN_TIME = 1e-4  # of the record, by which periods are off even ones where they differ in length
 _ALIKE = 3.0  # standard deviations of a correlation
 _ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
 _OF_A_ROW = 0.5  # rounding of the rows behind the last mark, or whole rows that were left out there
@@ -152,21 +153,52 @@ def mean_over_periods(
     place = repeats.places(len(series))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
-    incomplete, not_repeated = _of_incomplete(left, repeats)
     of_cycles = 0.0 if lines is None else lines.mean_at(place)
-    mean, rest = float(np.mean(series)) - of_cycles - incomplete, left[: rows[-1]]
-    means = repeats.means(left)
+    rest, means = left[: rows[-1]], repeats.means(left)
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
-    trend = amplitude_trend(1.0 + (means - middle) / size) if size > 0.0 else None
-    if trend is not None:
-        error = _times(size, error_of_series(trend.rest), trend.apart)
+    found = _course((means - middle) / size, repeats) if size > 0.0 else None
+    if found is not None:
+        error = replace(found.error, standard=size * found.error.standard)
     else:
         by_parts = error_of_series(means)
         error = at_lowest_frequencies(rest, by_parts, repeats.edges, pooled=pooled, may_fall=may_fall)
+    course = None if found is None else replace(found.course, size=size)
+    incomplete, not_repeated = _of_incomplete(left if course is None else left - course.at(place), repeats)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
-    course = None if trend is None else Course(trend.curve, size, trend.cycles)
+    mean = float(np.mean(series)) - of_cycles - incomplete
     return MeanOverPeriods(left, mean, error, lines, course)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A course of means, and the error of their mean by what it leaves."""
+
+    course: Course
+    error: MeanError
+
+
+def _course(means: Floats, repeats: Periods) -> _Found | None:
+    """Return the course of the means of periods, shape (periods,), over these or, where they differ in
+    length, over time, whichever leaves less; None if there is none."""
+    even, edges = np.linspace(0.0, 1.0, len(means) + 1), repeats.edges / repeats.edges[-1]
+    trend = amplitude_trend(1.0 + means)
+    in_time = amplitude_trend(1.0 + means, edges=edges) if np.ptp(edges - even) > _APART_IN_TIME else None
+    if trend is not None and (in_time is None or np.std(trend.rest) <= np.std(in_time.rest)):
+        error = error_of_series(trend.rest)
+        error = replace(error, standard=math.hypot(error.standard, trend.apart))
+        return _Found(Course(trend.curve, 1.0, trend.cycles), error)
+    if in_time is None:
+        return None
+    curve, lengths = in_time.curve, np.diff(edges)
+    # behind the last one at its pace, as places are
+    places, times = np.append(even, 2.0), np.append(edges, 1.0 + len(means) * lengths[-1])
+    error = error_of_series(in_time.rest)
+    # in the mean over time long periods count more
+    alone = math.sqrt(len(means) * float(lengths @ lengths)) * error.standard
+    apart = float(lengths @ in_time.over_periods) - in_time.level if in_time.cycles else 0.0
+    error = replace(error, standard=math.hypot(alone, apart))
+    return _Found(Course(lambda place: curve(np.interp(place, places, times)), 1.0, in_time.cycles), error)
 
 
 def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
@@ -195,7 +227,10 @@ def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:
         # they go on to change as they do
         differs = max(float(np.std(apart, ddof=1)), abs(float(apart[-1] - apart[0])))
     rows, whole = repeats.rows, np.diff(repeats.rows)
-    integrals = sums[1 : rows[-1] + 1] - np.repeat(sums[rows[:-1]], whole)
+    place = (np.arange(1, rows[-1] + 1) - np.repeat(rows[:-1], whole)) / np.repeat(whole, whole)
+    # of what repeats, without the mean of each period
+    from_begin, to_end = (np.repeat(sums[each], whole) for each in (rows[:-1], rows[1:]))
+    integrals = sums[1 : rows[-1] + 1] - from_begin - place * (to_end - from_begin)
     integral = float(np.mean(np.add.reduceat(integrals, rows[:-1]) / whole**2))
     of_speed = -integral * _growth(whole)
     moved = (float(np.mean(apart)) * over + of_speed) / len(series)
@@ -209,7 +244,3 @@ def _growth(counts: NDArray[np.int64]) -> float:
     growth = slope * (len(counts) - 1)
     of_rows = math.sqrt(2.0 / len(counts))  # sqrt(1/6 x 12 / n)
     return growth if abs(growth) > 2.0 * of_rows else 0.0
-
-
-def _times(size: float, error: MeanError, deviation: float) -> MeanError:
-    return replace(error, standard=size * math.hypot(error.standard, deviation))

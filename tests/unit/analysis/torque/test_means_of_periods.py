@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from benchtool.analysis import analyze_steady_state
@@ -56,6 +57,49 @@ def test_the_incomplete_period_ends_where_the_rotor_is_while_its_speed_swings() 
             found.append(mean_over_periods(series, Periods(begins, marks=each)).mean)
     assert float(np.max(np.abs(by_pace))) > 2e-4
     assert float(np.max(np.abs(by_angle))) < 1e-5
+
+
+@pytest.mark.parametrize("speeds_rad_s", [(90.0, 110.0), (40.0, 160.0), (160.0, 40.0)])
+def test_a_course_is_one_over_time_while_the_speed_rises_or_falls(speeds_rad_s: tuple[float, float]) -> None:
+    """Over the revolutions neither a line nor a parabola in time is one."""
+    time_s = np.arange(20_000) / RATE_HZ
+    begin, end = speeds_rad_s
+    errors, standards = [], []
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        angle_rad = begin * time_s + 0.25 * (end - begin) * time_s**2 + random.uniform(0.0, 6.28)
+        course = 0.5 * (0.5 * time_s) ** (1 + seed % 2)
+        series = 2.0 + course + 0.1 * np.cos(6.0 * angle_rad) + 0.01 * random.standard_normal(len(time_s))
+        marks = PeriodMarks.of_angle(angle_rad, 2.0 * np.pi)
+        assert marks is not None
+        rows = np.ceil(marks.numbers - 1e-6).astype(np.int64)
+        repeats = Periods(rows, "revolutions", marks=marks)
+        found = mean_over_periods(repeats.told(series), repeats)
+        truth = 2.0 + float(np.mean(course[: len(repeats.told(series))]))
+        errors.append((found.mean - truth) / found.error.standard)
+        standards.append(found.error.standard)
+    white = 0.01 / np.sqrt(len(time_s))
+    assert np.all(np.array(standards) < 3.0 * white)
+    assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.7
+
+
+def test_turns_begin_where_an_angle_of_any_speed_says() -> None:
+    rows = np.arange(400.0)
+    angle_rad = 0.3 - 2.0 * np.pi * (rows / 100.0 + (rows / 400.0) ** 2)
+    marks = PeriodMarks.of_angle(angle_rad, 2.0 * np.pi)
+    assert marks is not None
+    assert marks.as_far is not None
+    # turns x = r / 100 + (r / 400)^2
+    begins = 200.0 * (np.sqrt(16.0 + 4.0 * np.arange(5.0)) - 4.0)
+    assert marks.numbers == pytest.approx(begins, abs=1e-2)
+    behind = float(np.interp(400.0, rows, -(angle_rad - 0.3) / (2.0 * np.pi), right=5.0)) - 4.0
+    expected = 200.0 * (np.sqrt(16.0 + 4.0 * (np.arange(5.0) + behind)) - 4.0) - begins
+    assert marks.as_far == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.parametrize("angle_rad", [np.floor(np.arange(400.0) / 7.0), np.abs(np.arange(-90.0, 310.0))])
+def test_an_angle_that_counts_or_turns_back_marks_rows_alone(angle_rad: NDArray[np.float64]) -> None:
+    assert PeriodMarks.of_angle(angle_rad, 2.0 * np.pi) is None
 
 
 def test_places_go_on_behind_the_last_period_at_its_pace() -> None:
