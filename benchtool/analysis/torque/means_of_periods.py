@@ -148,12 +148,14 @@ def mean_over_periods(
     series: Floats, repeats: Periods, *, pooled: bool = True, may_fall: bool = False
 ) -> MeanOverPeriods:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
-    course of few constants, such as a drift; of few periods `pooled` with its density."""
+    course of few constants, such as a drift; of few periods `pooled` with its density. Rows behind periods
+    that are told count by the course alone."""
     rows, periods = repeats.rows, len(repeats)
     place = repeats.places(len(series))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
-    of_cycles = 0.0 if lines is None else lines.mean_at(place)
+    told = len(repeats.told(series))
+    of_cycles = 0.0 if lines is None else lines.mean_at(place[:told])
     rest, means = left[: rows[-1]], repeats.means(left)
     middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
     found = _course((means - middle) / size, repeats) if size > 0.0 else None
@@ -163,10 +165,11 @@ def mean_over_periods(
         by_parts = error_of_series(means)
         error = at_lowest_frequencies(rest, by_parts, repeats.edges, pooled=pooled, may_fall=may_fall)
     course = None if found is None else replace(found.course, size=size)
-    incomplete, not_repeated = _of_incomplete(left if course is None else left - course.at(place), repeats)
+    slowly = np.zeros(len(series)) if course is None else course.at(place)
+    incomplete, not_repeated = _of_incomplete((left - slowly)[:told], repeats)
     of_mean = 1.0 if lines is None else lines.of_mean
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
-    mean = float(np.mean(series)) - of_cycles - incomplete
+    mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
     return MeanOverPeriods(left, mean, error, lines, course)
 
 

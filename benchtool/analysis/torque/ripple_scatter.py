@@ -68,7 +68,6 @@ def scatter_of_periods(
     rows, count = repeats.rows, len(repeats)
     if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
-    samples = repeats.told(samples)
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
     of_mean = mean_over_periods(samples, repeats, may_fall=True)
     rest = within if of_mean.left is samples else of_mean.left[: rows[-1]]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
@@ -12,6 +14,7 @@ from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase import PeriodMarks
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
+from benchtool.analysis.torque.ripple_scatter import scatter_of_periods
 from benchtool.block import Block
 
 RATE_HZ = 10e3
@@ -168,3 +171,19 @@ def test_means_without_an_angle_are_over_periods_whose_phase_is_told() -> None:
         error = np.array([each.value - 2.0 for each in means])
         assert np.sqrt(np.mean(np.square(error / standard))) < 1.6, means[0].name
         assert np.median(standard) < 1.5e-5
+
+
+def test_rows_behind_periods_that_are_told_count_by_the_course() -> None:
+    """The phase ends 1.6 of 25.6 periods before a drift does, which goes on."""
+    random, number = np.random.default_rng(4), np.arange(2560.0)
+    marks = PeriodMarks(100.0 * np.arange(25.0))
+    repeats = Periods(np.arange(0, 2401, 100), marks=marks)
+    drift = 3.0 * (number / len(number) - 0.5)
+    series = 150.0 + drift + 0.3 * np.cos(2 * np.pi * number / 50.0) + 0.1 * random.standard_normal(2560)
+    found = scatter_of_periods(series, repeats)
+    assert found is not None
+    assert found.mean.standard < 5e-3
+    assert found.whole_mean == pytest.approx(150.0 + float(np.mean(drift)), abs=3.0 * found.mean.standard)
+    rms = math.sqrt(float(np.var(drift)) + 0.5 * 0.3**2 + 0.1**2)
+    assert found.whole_rms == pytest.approx(rms, abs=3.0 * found.rms.standard)
+    assert found.rms.standard < 0.02 * rms
