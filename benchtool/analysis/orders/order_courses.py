@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import CoherentSamples
+from benchtool.analysis.coherent.spectrum import CoherentSamples, spectrum_of
+from benchtool.analysis.noise.noise_of_lines import line_noise
 from benchtool.analysis.orders.angle import TURN
 from benchtool.analysis.orders.slow_course import Turns
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
@@ -18,7 +19,7 @@ _ROUNDS = 3
 _MATTERS = 1e-3  # of an amplitude
 _CLEARLY = 2.4  # times as much as across it, root of a ratio of variances
 _NEARLY_ALL = 0.8  # of the parts: what is between them is then a small matter
-_STANDS_OUT = 5.0  # times its deviation: the course of less is one of noise
+_STANDS_OUT = 5.0  # times its deviation, or noise: the course of less is one of noise
 
 
 @dataclass(frozen=True)
@@ -73,25 +74,39 @@ def _courses_of(
 
 
 def without_courses(
-    coherent: CoherentSamples, orders: NDArray[np.int64], in_time: PeriodsInTime
+    coherent: CoherentSamples, highest_order: int, in_time: PeriodsInTime
 ) -> tuple[CoherentSamples, dict[int, OrderCourse]]:
-    """Return samples over whole revolutions in which the amplitudes of some orders are steady, each at the
-    level of its course, and those courses by order.
+    """Return samples over whole revolutions in which the mean and the amplitudes of orders are steady, each
+    at the level of its course, and those courses by order, that of the mean as of order 0.
 
     A course has sidebands beside its order, which are not what that is uncertain by, and their tails are in
     the other orders.
     """
+    steady, courses = _without_courses(coherent, (), in_time)  # a drift hides which amplitudes move
+    spectrum = spectrum_of(steady)
+    orders = np.arange(1, min(highest_order, (len(spectrum.amplitude) - 1) // spectrum.periods) + 1)
+    lines = orders * spectrum.periods
+    noise = line_noise(spectrum, lines)
+    moving = orders[noise.wanders & (spectrum.amplitude[lines] > _STANDS_OUT * noise.in_phase)]
+    return _without_courses(coherent, moving.tolist(), in_time) if len(moving) else (steady, courses)
+
+
+def _without_courses(
+    coherent: CoherentSamples, orders: Sequence[int], in_time: PeriodsInTime
+) -> tuple[CoherentSamples, dict[int, OrderCourse]]:
+    """Return samples without the courses of the mean and of these orders."""
     courses: dict[int, OrderCourse] = {}
-    if not len(orders):
-        return coherent, courses
     points = np.arange(len(coherent.values), dtype=np.float64)
     angle_rad = TURN / coherent.per_period * points
     passed = np.interp(points / coherent.per_period, np.arange(len(in_time.edges)), in_time.edges)
-    carriers = {int(each): np.exp(-1j * each * angle_rad[: coherent.per_period]) for each in orders}
+    carriers = {each: np.exp(-1j * each * angle_rad[: coherent.per_period]) for each in orders}
     values = coherent.values
+    # a mean may be zero, or of either sign
+    middle, size = float(np.mean(values)), float(np.max(np.abs(values)))
     for _ in range(_ROUNDS):
         table = values.reshape(coherent.periods, -1)
         phasors = {order: table @ each * (2.0 / coherent.per_period) for order, each in carriers.items()}
+        phasors[0] = size + np.mean(table, axis=1).astype(np.complex128) - middle
         courses = _courses_of(phasors, in_time, courses)
         if not courses:
             return coherent, courses

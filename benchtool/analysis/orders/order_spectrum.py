@@ -51,7 +51,6 @@ BY_CHANCE = 0.01
 """Share of records of noise alone in which one of all orders exceeds what noise is taken to cause."""
 
 _OF_DOF = 0.75  # the median of pairs of bins scatters more than their mean: so many of its degrees of freedom
-_STANDS_OUT = 5.0  # standard uncertainties: the course of an amplitude in less is one of noise
 _OF_OTHERS = 4.5  # standard uncertainties by resolution, resampling and wobble of the angle
 
 
@@ -235,17 +234,14 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
 def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     """Return the orders of a channel along a mechanical phase."""
     samples, track, wobble = block.column(channel), along.track, along.wobble
-    spectrum = spectrum_of(along.samples[channel])
+    coherent = along.samples[channel]
+    in_time = PeriodsInTime.of(coherent, track.turns_from(FIRST_ROW), FIRST_ROW)
+    steady, courses = without_courses(coherent, HIGHEST_ORDER, in_time)
+    spectrum = spectrum_of(steady)
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
     noise = line_noise(spectrum, orders * turns)
-    wander = orders[noise.wanders & (spectrum.amplitude[orders * turns] > _STANDS_OUT * noise.in_phase)]
-    in_time = PeriodsInTime.of(along.samples[channel], track.turns_from(FIRST_ROW), FIRST_ROW)
-    steady, courses = without_courses(along.samples[channel], wander, in_time)
-    if courses:
-        spectrum = spectrum_of(steady)
-        noise = line_noise(spectrum, orders * turns)
     amplitude = spectrum.amplitude[orders * turns]
     step = counting_step(samples)
     steps = converter_steps(spectrum, step, level=level_of(samples, step))
@@ -270,10 +266,10 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         amplitude=amplitude,
         standard=np.hypot(by_noise, others),
         others=others,
-        mean=float(spectrum.amplitude[0]) * math.copysign(1.0, float(np.mean(samples))),
+        mean=float(np.mean(coherent.values)),
         revolutions=float(turns),
         method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}"
-        + (", less the courses of amplitudes from revolution to revolution" if courses else ""),
+        + (", less what mean and amplitudes do from revolution to revolution" if courses else ""),
         uncertainty_source="noise and leakage beside the order, resampling, resolution, wander of the phase, "
         f"and {about}",
         dof=noise.dof,

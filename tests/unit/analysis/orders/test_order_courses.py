@@ -23,9 +23,9 @@ _COURSES = {
 _WHITE = _NOISE * np.sqrt(2.0 / _ROWS)  # standard deviation of an amplitude by white noise
 
 
-def _torque(course: Array, rng: np.random.Generator) -> Array:
+def _torque(course: Array, rng: np.random.Generator, drift: float = 0.0) -> Array:
     lines = sum(size * np.cos(order * _ANGLE + order) for order, size in _AMPLITUDES.items())
-    return np.asarray(2.0 + course * lines + _NOISE * rng.standard_normal(_ROWS))
+    return np.asarray(2.0 + drift * _PASSED + course * lines + _NOISE * rng.standard_normal(_ROWS))
 
 
 def _by_time(torque: Array) -> OrderSpectrum:
@@ -58,9 +58,12 @@ def test_a_course_of_the_amplitude_is_no_scatter(course: str, way: Callable[[Arr
 
 
 @pytest.mark.parametrize("way", [_by_time, _by_angle])
-def test_a_course_is_not_in_the_orders_beside_it(way: Callable[[Array], OrderSpectrum]) -> None:
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_a_course_is_not_in_the_orders_beside_it(way: Callable[[Array], OrderSpectrum], drift: float) -> None:
     rng = np.random.default_rng(5)
-    found = [way(_torque(_COURSES["falls"], rng)) for _ in range(8)]
+    found = [way(_torque(_COURSES["falls"], rng, drift)) for _ in range(8)]
+    assert np.all(np.abs([_errors(each, [1, 6]) for each in found]) < 4.0)
+    assert np.median([each.standard[0] for each in found]) < 2.0 * _WHITE
     errors = np.array([_errors(each, [2, 3]) for each in found])
     assert 0.7 < np.sqrt(np.mean(errors**2)) < 2.2  # sqrt(2) of noise alone (Rayleigh)
     assert np.median([each.standard[1] for each in found]) < 2.0 * _WHITE
