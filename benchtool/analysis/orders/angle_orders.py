@@ -110,26 +110,26 @@ def fit_orders(
     of_weights = _both_sides(sums[:, : 2 * order + 1])
     turns, of_each = _turns(coverage, weights), np.real(sums[:, 0])
     passed = (coverage.angle_rad - coverage.angle_rad.min()) / TURN
-    courses = CoursesByAngle.none_over(turns)
+    courses = CoursesByAngle.none_over(turns, float(np.max(np.abs(values))))
     has_course = False
     for taken_off in range(1 + _PASSES):
         # the unknowns c of exp(1j k angle), k = -order ... order
         full = _both_sides(products[:, : order + 1])
         solution = cho_solve(factor, full.sum(axis=0))
         scores = full - fftconvolve(of_weights, solution[np.newaxis], "valid", axes=1)  # add up to zero
-        shift = cho_solve(factor, scores.T)[order + 1 :]
+        shift = cho_solve(factor, scores.T)[order:]
         if taken_off == _PASSES:
             break
-        off = np.zeros(len(values))
-        course = slow_course(np.real(scores[:, order]), turns)
+        each = solution[order:, np.newaxis] + (shift / of_each)[:, turns.whole]
+        each[1:] *= 2.0
+        known, courses = courses, courses.found_in(each)
+        off = courses.beside_levels(passed, coverage.angle_rad)
+        off -= known.beside_levels(passed, coverage.angle_rad)
+        course = None if 0 in courses.courses else slow_course(np.real(scores[:, order]), turns)
         if course is not None and (has_course or is_no_chance(course)):
             has_course = True
-            off += course(passed)
-            off -= weights @ off
-        each = 2.0 * (solution[order + 1 :, np.newaxis] + (shift / of_each)[:, turns.whole])
-        known, courses = courses, courses.found_in(each)
-        off += courses.beside_levels(passed, coverage.angle_rad)
-        off -= known.beside_levels(passed, coverage.angle_rad)
+            along = course(passed)
+            off += along - weights @ along
         if not np.any(off):
             break
         values = values - off
@@ -142,7 +142,7 @@ def fit_orders(
     if coverage.revolutions >= _FEWEST_REVOLUTIONS:
         # one that is not complete counts as the part that it is
         alike = 1.0 / float(np.sum(np.real(sums[:, 0]) ** 2))
-        turned = np.conj(towards)[:, np.newaxis] * shift
+        turned = np.conj(towards)[:, np.newaxis] * shift[1:]
         along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
         left = 1.0 - max(1.0 / alike, fitted)
         freedom = np.full(order, max(1.0, alike * left))
@@ -152,7 +152,7 @@ def fit_orders(
         source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
         if revolutions >= _FEWEST_OF_PHASE:
             lost = _lost(coefficient, along2, across2, revolutions)
-            lost = np.maximum(lost, _turned(coefficient, shift, of_each))
+            lost = np.maximum(lost, _turned(coefficient, shift[1:], of_each))
             standard = np.hypot(standard, lost)
             source += ", and what a phase that wanders takes off it"
     else:

@@ -122,35 +122,39 @@ def _beside_levels(
 
 @dataclass(frozen=True)
 class CoursesByAngle:
-    """Courses of orders 1, 2 ... over the turns of a record without time, by order.
+    """Courses of the mean, as of order 0, and of orders 1, 2 ... over the turns of a record without time.
 
     `edges` are those of its parts, of which some are `whole` turns, and some left out; `total` are all turns.
+    The course of the mean is relative to `size`.
     """
 
     edges: NDArray[np.float64]
     whole: NDArray[np.bool_]
     total: float
+    size: float
     courses: Mapping[int, OrderCourse]
 
     @classmethod
-    def none_over(cls, turns: Turns) -> CoursesByAngle:
+    def none_over(cls, turns: Turns, size: float) -> CoursesByAngle:
         """Return none yet over turns."""
         edges = np.unique(turns.edges[turns.whole])
-        return cls(edges, np.isin(edges[:-1], turns.edges[turns.whole, 0]), turns.total, {})
+        return cls(edges, np.isin(edges[:-1], turns.edges[turns.whole, 0]), turns.total, size, {})
 
     def found_in(self, phasors: NDArray[np.complex128]) -> CoursesByAngle:
-        """Return the courses of phasors of the whole turns, shape (orders, turns), as peak amplitudes, which
-        those known so far are taken off; none where many turns are left out."""
+        """Return the courses of phasors of the whole turns, shape (1 + orders, turns), means and peak
+        amplitudes, which those known so far are taken off; none where many turns are left out."""
         if np.mean(self.whole) < _NEARLY_ALL:
             return self
+        phasors = phasors.copy()
+        phasors[0] += self.size - np.mean(phasors[0])
         mean = np.mean(phasors, axis=1)
         turned = phasors * np.exp(-1j * np.angle(mean))[:, np.newaxis]
         along, across = np.std(turned.real, axis=1), np.std(turned.imag, axis=1)
         moves = along > np.maximum(_CLEARLY * across, _MATTERS * np.abs(mean))
         moves &= np.abs(mean) > _STANDS_OUT * along
-        orders = sorted({*self.courses, *(np.flatnonzero(moves) + 1).tolist()})
+        orders = sorted({0, *self.courses, *np.flatnonzero(moves).tolist()})
         middle = 0.5 * (self.edges[1:] + self.edges[:-1])
-        of_parts = {each: np.interp(middle, middle[self.whole], phasors[each - 1]) for each in orders}
+        of_parts = {each: np.interp(middle, middle[self.whole], phasors[each]) for each in orders}
         length = float(self.edges[-1] - self.edges[0])
         before, after = float(self.edges[0]) / length, (self.total - float(self.edges[-1])) / length
         in_turns = PeriodsInTime((self.edges - self.edges[0]) / length, before, after)
