@@ -32,9 +32,10 @@ def _by_time(torque: Array) -> OrderSpectrum:
     return order_analysis(block_of(_ANGLE, torque), "torque").spectrum
 
 
-def _by_angle(torque: Array) -> OrderSpectrum:
+def _by_angle(torque: Array, *left_out: slice) -> OrderSpectrum:
     kept = np.ones(_ROWS, dtype=np.bool_)
-    kept[2800:2950] = False
+    for rows in left_out or (slice(2800, 2950),):
+        kept[rows] = False
     return fitted_orders(angle_coverage(_ANGLE[kept]), torque[kept], "torque", "Nm")
 
 
@@ -58,7 +59,7 @@ def test_a_course_of_the_amplitude_is_no_scatter(course: str, way: Callable[[Arr
 
 
 @pytest.mark.parametrize("way", [_by_time, _by_angle])
-@pytest.mark.parametrize("drift", [0.0, 0.3])
+@pytest.mark.parametrize("drift", [0.0, 0.3, -4.0])
 def test_a_course_is_not_in_the_orders_beside_it(way: Callable[[Array], OrderSpectrum], drift: float) -> None:
     rng = np.random.default_rng(5)
     found = [way(_torque(_COURSES["falls"], rng, drift)) for _ in range(8)]
@@ -74,3 +75,21 @@ def test_an_amplitude_that_wanders_at_random_has_no_course(way: Callable[[Array]
     rng = np.random.default_rng(6)
     walk = np.cumsum(rng.standard_normal(_ROWS)) / np.sqrt(_ROWS)
     assert way(_torque(1.0 + 0.05 * walk, rng)).standard[0] > 20.0 * _WHITE
+
+
+def test_a_course_by_angle_is_bridged_where_turns_are_left_out() -> None:
+    """Most of the first turn, one and a half in the middle, and most of the last."""
+    rng = np.random.default_rng(7)
+    left_out = slice(20, 180), slice(4000, 4300), slice(7700, 7980)
+    found = [_by_angle(_torque(_COURSES["falls"], rng), *left_out) for _ in range(6)]
+    assert np.all(np.abs([_errors(each, [1, 6]) for each in found]) < 4.0)
+    assert np.all(np.array([each.standard[0] for each in found]) < 3.0 * _WHITE)
+
+
+def test_there_is_no_course_where_most_turns_are_left_out() -> None:
+    rng = np.random.default_rng(8)
+    per_turn = _ROWS / _REVOLUTIONS
+    left_out = [slice(round(each * per_turn), round((each + 0.6) * per_turn)) for each in range(0, 40, 2)]
+    found = _by_angle(_torque(_COURSES["falls"], rng), *left_out)
+    assert found.standard[0] > 10.0 * _WHITE
+    assert np.all(np.abs(_errors(found, [1, 6])) < 4.0)
