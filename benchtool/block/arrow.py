@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pyarrow as pa
@@ -117,6 +117,13 @@ def timed_batch_of(block: Block) -> pa.RecordBatch:
     return pa.RecordBatch.from_arrays(columns, schema=timed)
 
 
+def _numbers(column: pa.Array) -> NDArray[Any]:
+    """Return the numbers of a column; `to_numpy` imports pandas first, as `pyarrow.array` does."""
+    if column.null_count or not pa.types.is_floating(column.type):
+        return np.asarray(column.to_numpy(zero_copy_only=False))
+    return np.from_dlpack(column)
+
+
 def block_of(
     schema: pa.Schema, batches: Iterable[pa.RecordBatch], rows: int, time_base: TimeBase, gaps: Sequence[Gap]
 ) -> Block:
@@ -125,7 +132,7 @@ def block_of(
     row = 0
     for batch in batches:
         for number, column in enumerate(batch.columns):
-            data[row : row + len(batch), number] = column.to_numpy(zero_copy_only=False)
+            data[row : row + len(batch), number] = _numbers(column)
         row += len(batch)
     return Block(
         channels_of(schema),
