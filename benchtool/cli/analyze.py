@@ -17,12 +17,10 @@ from benchtool.analysis import catalogue, sensor_remarks, undefined, without_unc
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output, warn_unsealed
-from benchtool.cli.report import write_report
 from benchtool.cli.results import measured, show_run
 from benchtool.errors import RecordingError, UsageError
 from benchtool.profile import Bench, load_bench
 from benchtool.recording import Bundle, enlist
-from benchtool.report.assembly import keep, table_report
 from benchtool.results import (
     Assessment,
     RunResult,
@@ -294,12 +292,17 @@ def _require_time(csv: Path, time: str | None, rate: float | None, decimal: str)
 
 def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
     """Write the bundle, and the report in it; return their paths."""
+    from benchtool.report.assembly import keep  # draws in matplotlib, which numbers do not need
+
     when = options.wall_time()
     with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
         bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
         output.line(f"bundle: {folder}")
         if not with_report:
             return {"bundle": str(folder)}
+        from benchtool.cli.report import write_report
+        from benchtool.report.assembly import table_report
+
         page, _ = write_report(table_report(bundle), folder / "report.html", pdf=False, output=output)
         enlist(folder, [page])
         return {"bundle": str(folder), "report": str(page)}

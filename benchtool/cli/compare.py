@@ -15,10 +15,9 @@ from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
-from benchtool.cli.report import write_report
 from benchtool.cli.results import show_disagreements, together_text
 from benchtool.errors import UsageError
-from benchtool.report.assembly import comparison_report, difference
+from benchtool.report.results import difference
 from benchtool.results import (
     Chance,
     Comparison,
@@ -87,6 +86,9 @@ def compare(
     if html is not None:
         if not comparisons:
             raise UsageError("no case of the first run has a counterpart: compare runs of the same plan")
+        from benchtool.cli.report import write_report  # draws in matplotlib, which a comparison does not need
+        from benchtool.report.assembly import comparison_report
+
         report = comparison_report(comparisons, alone, [str(run) for run in runs], over_repetitions)
         page, document = write_report(report, html, pdf=pdf, output=output)
         written = {"report": str(page), "pdf": None if document is None else str(document)}

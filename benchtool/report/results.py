@@ -16,10 +16,12 @@ from benchtool.analysis import (
     number,
     probability,
     raw,
+    signed,
     with_expanded,
 )
 from benchtool.plan import JudgedLimit, Limit, Verdict
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
+from benchtool.results import Delta
 
 _SHOWN_ROWS = 10
 _GAPS = {0: "no gaps", 1: "1 gap"}
@@ -244,3 +246,14 @@ def _sentence(text: str) -> str:
     first = text.split(maxsplit=1)[0].rstrip(",;:") if text.strip() else ""
     begun = text[0].upper() + text[1:] if first.isalpha() and first.islower() else text
     return begun if begun.endswith((".", "!", "?")) else f"{begun}."
+
+
+def difference(delta: Delta) -> str:
+    """Return a difference with its sign and its expanded uncertainty, as far as there is one."""
+    text = with_expanded(delta.absolute, delta.uncertainty)
+    if "±" not in text:
+        return signed(delta.absolute)
+    rounded, _, _ = text.partition("±")
+    if delta.absolute <= 0.0 or not re.search("[1-9]", rounded):
+        return text
+    return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"

@@ -4,7 +4,6 @@ from .commissioning import (
     commissioning_report as commissioning_report,
 )
 from .comparison import comparison_report as comparison_report
-from .comparison_front import difference as difference
 from .figures import write_pictures as write_pictures
 from .plan import case_label as case_label
 from .run import run_report as run_report

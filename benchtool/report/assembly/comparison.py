@@ -10,7 +10,7 @@ from itertools import zip_longest
 from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed, with_expanded
 from benchtool.block import Block
 from benchtool.recording import Bundle, Manifest, read_manifest
-from benchtool.report.assembly.comparison_front import comparison_front, difference
+from benchtool.report.assembly.comparison_front import comparison_front
 from benchtool.report.assembly.figures import panel_of
 from benchtool.report.assembly.front import fingerprint
 from benchtool.report.assembly.pictures import picture, read_already
@@ -20,6 +20,7 @@ from benchtool.report.provenance import files_section, supervision_notes
 from benchtool.report.results import (
     bounds_of,
     conformance_of,
+    difference,
     mark,
     measurement_notes,
     value_with_k,

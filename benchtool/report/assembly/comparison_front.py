@@ -3,18 +3,17 @@ verdicts."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import COVERAGE, catalogue, placed, signed, with_expanded
+from benchtool.analysis import COVERAGE, catalogue, placed
 from benchtool.plan import Verdict, worst
 from benchtool.recording import Manifest
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, equipment, motor_rating
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of
-from benchtool.report.results import mark
+from benchtool.report.results import difference, mark
 from benchtool.results import Assessment, Comparison, Delta, Differences, Kind
 
 _MOST_TOLD: Final = 14
@@ -145,17 +144,6 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
 def _values(delta: Delta) -> tuple[str, str]:
     """Return both values to the place of the uncertainty of their difference, so that they show it."""
     return placed(delta.reference, delta.expanded), placed(delta.value, delta.expanded)
-
-
-def difference(delta: Delta) -> str:
-    """Return a difference with its sign and its expanded uncertainty, as far as there is one."""
-    text = with_expanded(delta.absolute, delta.uncertainty)
-    if "±" not in text:
-        return signed(delta.absolute)
-    rounded, _, _ = text.partition("±")
-    if delta.absolute <= 0.0 or not re.search("[1-9]", rounded):
-        return text
-    return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"
 
 
 def _reading(comparisons: Sequence[Comparison]) -> Text:
