@@ -16,9 +16,9 @@ from benchtool.analysis.coherent.resampling import (
     gain_error,
     interpolate_all,
 )
-from benchtool.analysis.coherent.spectral_window import WindowName, spectral_window
 from benchtool.analysis.fast_lengths import next_fast_length, previous_fast_length
 from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.spectral_window import WindowName, spectral_window
 from benchtool.analysis.validity import require_signal
 from benchtool.block import as_samples, read_only, require_rate
 from benchtool.errors import AnalysisError

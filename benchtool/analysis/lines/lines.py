@@ -10,7 +10,6 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectral_window import spectral_window
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.lines.around_lines import (
     BESIDE,
@@ -29,6 +28,7 @@ from benchtool.analysis.named_after import named_after
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Sensitivities
+from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.repeatability import wander_of_line
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken

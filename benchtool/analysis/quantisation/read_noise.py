@@ -11,7 +11,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from benchtool.analysis.quantisation.repeated_steps import noise_beside
 
@@ -48,6 +47,8 @@ def noise_of_readings(readings: Floats, step: float) -> float:
 def _read() -> tuple[Floats, Floats]:
     """Return mean and variance of the readings of values at all places under noise of every rms, in steps,
     both of shape (rms, places)."""
+    from scipy.special import ndtr  # takes long to load
+
     above = (_LEVELS + 0.5 - _PLACES[:, np.newaxis]) / _RMS[:, np.newaxis, np.newaxis]
     share = np.diff(ndtr(above), axis=-1, prepend=0.0)
     mean = share @ _LEVELS

@@ -10,10 +10,10 @@ from enum import StrEnum
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
-from scipy import signal
 
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
+from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.lowest_frequencies import SlowNoise, slow_noise
 from benchtool.analysis.statistics.neighbours import in_deviations, neighbours_alike
 from benchtool.analysis.statistics.slow_swing import slow_swing
@@ -379,7 +379,7 @@ def _of_oscillations(samples: NDArray[np.float64]) -> float:
 def _tapered_power(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the power of samples, shape (n,), in bins under Hann's window, which keeps oscillations from the
     lowest of them, as the variance of a mean that noise of this density has, shape (n // 2 + 1,)."""
-    window = signal.windows.hann(len(samples), sym=False)
+    window = spectral_window("hann", len(samples))
     bins = fft.rfft((samples - np.sum(window * samples) / np.sum(window)) * window)
     return np.asarray((bins.real**2 + bins.imag**2) / (_OF_HANN * len(samples) ** 2))
 

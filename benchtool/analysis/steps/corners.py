@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular, toeplitz
 
 from benchtool.analysis.steps.converter_levels import HIDES
 from benchtool.analysis.steps.smoothing import Noise
@@ -88,6 +87,8 @@ def corner_near(samples: Floats, noise: Noise, top: int, step: float = 0.0) -> C
 
 def _fitted(samples: Floats, noise: Noise) -> Corner | None:
     """Return the corner about the middle of samples, shape (2 rows + 1,), with its place from there."""
+    from scipy.linalg import cholesky, solve_triangular, toeplitz  # which most runs do not need
+
     count = len(samples)
     covariance = np.zeros(count)
     known = _significant(noise.autocovariance)

@@ -13,9 +13,9 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectral_window import spectral_window
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.lines.around_lines import surrounded
+from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.scatter import BLOCKS
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from benchtool.cli import app
 from benchtool.cli.verbs import COMPLETION_VERBS, PARAMETER_VERBS, PLAN_VERBS, PROFILE_VERBS, VERBS, Verb
 
 HEAVY = ("numpy", "pydantic", "can", "pyarrow", "scipy", "rerun", "matplotlib", "numba")
+DRAWN_IN = ("scipy", "rerun", "matplotlib", "numba", "reportlab", "jinja2")
 
 
 @pytest.mark.parametrize(
@@ -55,6 +56,16 @@ def test_help_loads_no_verb_and_nothing_heavy() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert found.splitlines() == ["[]", "[]"]
+
+
+def test_verbs_of_every_day_load_nothing_that_their_numbers_may_do_without() -> None:
+    code = (
+        "import sys\n"
+        "from benchtool.cli import analyze, compare, run_plans, verify\n"
+        f"print([name for name in {DRAWN_IN} if name in sys.modules])\n"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert found == "[]\n"
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchtool.analysis.coherent.spectral_window import spectral_window
 from benchtool.analysis.lines.line_course import along_course
 from benchtool.analysis.lines.line_models import Complexes, Floats
 from benchtool.analysis.lines.lines import sinusoids_of
 from benchtool.analysis.lines.steadiness import Line
+from benchtool.analysis.spectral_window import spectral_window
 from tests.at_length import at_length
 
 _COUNT, _PLACE = 1500, 80.3
