@@ -41,13 +41,14 @@ class HeldBus:
         self._changed = threading.Condition()
         self._arrived: deque[can.Message] = deque()
         self._in_hand = False
+        self._ended = False
         self._sent: Frames = []
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         with self._changed:
             self._in_hand = False
             self._changed.notify_all()
-            if not self._arrived:
+            if not self._arrived and not self._ended:
                 self._changed.wait(timeout)
             self._in_hand = bool(self._arrived)
             return self._arrived.popleft() if self._in_hand else None
@@ -71,6 +72,12 @@ class HeldBus:
         with self._changed:
             sent, self._sent = self._sent, []
             return sent
+
+    def end(self) -> None:
+        """Wait for no further frame, for which the drive would wait before it ends."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
 
 
 class EmulatedEnd:
@@ -112,6 +119,7 @@ class EmulatedEnd:
         self._node.firmware.core.command.trip = int(_CODES[code])
 
     def close(self) -> None:
+        self._bus.end()
         self._bench.close()
 
 
