@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from enum import IntEnum
 from functools import cache, lru_cache
 
@@ -38,6 +39,9 @@ _NO_VALUE = re.compile(
     r"|invalid|error|err|missing|fault|bad.*",
     re.IGNORECASE,
 )
+
+_SIGNS = "+-.,eE "
+_OF_NUMBERS = f"0123456789{_SIGNS}"
 
 _IN_PLACE = re.compile(r"nan|inf|null|none|na|ol|ovl|over|overflow|overload|no ?data", re.IGNORECASE)
 
@@ -97,9 +101,21 @@ def is_number(cell: str, decimal: str, delimiter: str = "") -> bool:
     return _pattern(decimal, delimiter).fullmatch(cell) is not None
 
 
-@lru_cache(maxsize=1024)
+def are_numbers(cells: Iterable[str], decimal: str, delimiter: str = "") -> list[bool]:
+    """Return of each cell whether it is a number, as `is_number` does."""
+    fullmatch = _pattern(decimal, delimiter).fullmatch
+    return [is_stamp(cell) if ":" in cell else fullmatch(cell) is not None for cell in cells]
+
+
 def kind_of_word(cell: str) -> Cell | None:
     """Return what a cell that is no number stands for, by the words of instruments; None for other words."""
+    if not cell.strip(_OF_NUMBERS) and cell.strip(_SIGNS):  # most cells of a table, by another delimiter
+        return None
+    return _kind_of_word(cell)
+
+
+@lru_cache(maxsize=1024)
+def _kind_of_word(cell: str) -> Cell | None:
     cell = cell.strip()
     if _OVERLOADS.fullmatch(cell):
         return Cell.OVERLOAD

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import operator
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from benchtool.tables.cells import BLANKS, is_number, kind_of_word
+from benchtool.tables.cells import BLANKS, are_numbers, is_number, kind_of_word
 from benchtool.tables.head import BAR, has_number, split
 
 _MOST_COLUMNS = 4096
@@ -57,7 +58,9 @@ class Fit:
         if len(cells) != self.width:
             return False
         wanted = list(itertools.compress(cells, self.numeric))
-        numbers = [self.is_number(cell) for cell in wanted]
+        numbers = are_numbers(wanted, self.decimal, self.delimiter)
+        if all(numbers):
+            return True
         fits = (good or kind_of_word(cell) is not None for cell, good in zip(wanted, numbers, strict=True))
         return sum(numbers) >= 0.5 * len(numbers) and all(fits)
 
@@ -97,18 +100,20 @@ def _best_of(
     texts: Sequence[str], layouts: Sequence[tuple[str, str]], *, groups: bool, fewest: int = 2
 ) -> Fit | None:
     best: Fit | None = None
+    of_delimiter = {delimiter: _by_width(texts, delimiter, fewest) for delimiter, _ in layouts}
     for delimiter, decimal in layouts:
-        by_width: dict[int, list[list[str]]] = defaultdict(list)
-        for text in texts:
-            cells = split(text, delimiter)
-            if fewest <= len(cells) <= _MOST_COLUMNS:
-                by_width[len(cells)].append(cells)
         between = delimiter if groups else ""
-        for (width, found), part in itertools.product(by_width.items(), _SUFFIXES):
-            rows = found[-(-len(found) * (part - 1) // part) :]
-            columns = list(zip(*rows, strict=True))
-            others = [[cell for cell in cells if not is_number(cell, decimal, between)] for cells in columns]
-            counts = [len(rows) - len(cells) for cells in others]
+        of_width = {
+            width: ([are_numbers(cells, decimal, between) for cells in columns], columns)
+            for width, columns in of_delimiter[delimiter].items()
+        }
+        for (width, (are, columns)), part in itertools.product(of_width.items(), _SUFFIXES):
+            begin = -(-len(columns[0]) * (part - 1) // part)
+            counts = [sum(each[begin:]) for each in are]
+            others = (
+                itertools.compress(cells[begin:], map(operator.not_, each[begin:]))
+                for each, cells in zip(are, columns, strict=True)
+            )
             filled = [
                 count + sum(kind_of_word(cell) is None for cell in cells)
                 for count, cells in zip(counts, others, strict=True)
@@ -122,6 +127,18 @@ def _best_of(
             if sum(numeric) >= fewest and numbers * share**2 > (best.score if best else 0.0):
                 best = Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
     return best
+
+
+def _by_width(texts: Sequence[str], delimiter: str, fewest: int) -> dict[int, list[tuple[str, ...]]]:
+    """Return the columns of lines of so many cells each."""
+    found: dict[int, list[list[str]]] = defaultdict(list)
+    for text in texts:
+        if fewest > 1 and delimiter != BLANKS and delimiter not in text:
+            continue
+        cells = split(text, delimiter)
+        if fewest <= len(cells) <= _MOST_COLUMNS:
+            found[len(cells)].append(cells)
+    return {width: list(zip(*rows, strict=True)) for width, rows in found.items()}
 
 
 def almost_a_number(sample: Sequence[bytes]) -> str:

@@ -113,7 +113,8 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
             f"{source}: no line of numbers within the first {len(head)} bytes, a head of a few lines is "
             f"expected: cut the head"
         )
-    in_rows = [cells for cells in cells_of if fit.is_row(cells)]
+    are_rows = [fit.is_row(cells) for cells in cells_of]
+    in_rows = list(itertools.compress(cells_of, are_rows))
     above = _head(texts, rows, fit, in_rows)
     in_head = texts[: above.lines]
     last = "" if above.columns else _last_of(in_head)
@@ -123,7 +124,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
             return find_layout(text, source, ",", timed=timed)
         _require_no_split_decimals(last, texts[above.lines], by_column, source)
     named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
-    words = _aside(cells_of, fit)
+    words = _aside(cells_of, are_rows, fit)
     comments = [line.decode(errors="replace") for line in _sampled(text, lines) if is_comment(line)]
     units = (*units_in([*in_head, *comments], fit.delimiter), *filter(is_unit, words))
     if any("max" in each.lower() for each in (*in_head, *words)):
@@ -228,12 +229,11 @@ def _is_open(fit: Fit, by_column: Sequence[Sequence[str]]) -> bool:
     return Use.NOTHING < own < Use.DECIMALS or any(use_of(other, cells) == Use.EITHER for cells in kept)
 
 
-def _aside(sample: Sequence[Sequence[str]], fit: Fit) -> dict[str, None]:
+def _aside(sample: Sequence[Sequence[str]], are_rows: Sequence[bool], fit: Fit) -> dict[str, None]:
     """Return what stands in the lines of a sample beside the numbers of a row, and in lines that are none;
     letters alone are left out."""
     found: dict[str, None] = {}
-    for cells in sample:
-        is_row = fit.is_row(cells)
+    for cells, is_row in zip(sample, are_rows, strict=True):
         words = (cell for place, cell in enumerate(cells) if not (is_row and fit.numeric[place]))
         found |= dict.fromkeys(bare for word in words if len(bare := word.strip("()[]{}<> ")) > 1)
     return found
