@@ -315,7 +315,7 @@ SECTIONS: Final = (
         "What a command loads, and how the emulated machine is compiled, kept and called "
         "(`benchtool.emulator`).",
         """
-        0115 0097 0182 0192
+        0115 0510 0097 0182 0192
         0093 0114 0127 0203 0204 0168 0199
         """,
     ),

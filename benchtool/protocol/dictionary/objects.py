@@ -41,7 +41,7 @@ class DataType(StrEnum):
     @property
     def numpy(self) -> np.dtype[Any] | None:
         """Little-endian numpy type; None for strings and domains."""
-        return np.dtype(_NUMPY[self]) if self in _NUMPY else None
+        return _NUMPY.get(self)
 
     @property
     def bits(self) -> int:
@@ -72,17 +72,17 @@ _CODE = {
     DataType.I64: 0x15,
     DataType.U64: 0x1B,
 }
-_NUMPY = {
-    DataType.I8: "<i1",
-    DataType.U8: "<u1",
-    DataType.I16: "<i2",
-    DataType.U16: "<u2",
-    DataType.I32: "<i4",
-    DataType.U32: "<u4",
-    DataType.I64: "<i8",
-    DataType.U64: "<u8",
-    DataType.F32: "<f4",
-    DataType.F64: "<f8",
+_NUMPY: dict[DataType, np.dtype[Any]] = {
+    DataType.I8: np.dtype("<i1"),
+    DataType.U8: np.dtype("<u1"),
+    DataType.I16: np.dtype("<i2"),
+    DataType.U16: np.dtype("<u2"),
+    DataType.I32: np.dtype("<i4"),
+    DataType.U32: np.dtype("<u4"),
+    DataType.I64: np.dtype("<i8"),
+    DataType.U64: np.dtype("<u8"),
+    DataType.F32: np.dtype("<f4"),
+    DataType.F64: np.dtype("<f8"),
 }
 
 
