@@ -24,7 +24,8 @@ from benchtool.analysis.uncertainty import (
 )
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit, Verdict
-from benchtool.report.assembly.comparison_front import _values, difference
+from benchtool.report.assembly.comparison_front import _values
+from benchtool.report.results import difference
 from benchtool.results.assessment import Assessment
 from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
 from tests.at_length import at_length
