@@ -109,6 +109,7 @@ def test_a_step_that_fails_leaves_out_those_that_need_it(
     assert content["verdict"] == "fail"
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_the_command_prints_one_document_and_needs_a_yes(boxed: str, tmp_path: Path) -> None:
     runner = CliRunner()
     asked = runner.invoke(app, ["commission", "resistance", "--profile", boxed])

@@ -128,6 +128,7 @@ def test_a_reset_is_seen_though_a_heartbeat_follows_the_boot_up_at_once(boxed: s
         assert session.drive.number("producer_heartbeat") == pytest.approx(0.002)
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_commissioning_is_shown_live(boxed: str, tmp_path: Path) -> None:
     shown = tmp_path / "view.rrd"
     command = ("commission", "offsets", "--profile", boxed, "--yes", "--save", "--json")
@@ -227,6 +228,7 @@ def manifest(session: Session, identity: Identity, step: str) -> Manifest:
     )
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_commissioning_goes_on_where_it_was_cut_short(boxed: str, tmp_path: Path) -> None:
     runner, folder = CliRunner(), tmp_path / "a"
     command = ("commission", "--profile", boxed, "--yes", "--json")
@@ -271,6 +273,7 @@ def test_a_drive_of_another_maker_says_what_it_leaves_out(tmp_path: Path) -> Non
         assert session.drive.state() is before
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_go_on(
     boxed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

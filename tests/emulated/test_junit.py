@@ -83,6 +83,7 @@ def test_the_same_recordings_give_the_same_bytes(recorded: Path) -> None:
     assert junit(recorded_runs(recorded / "run")) == written
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_waived_limit_is_skipped_told_and_does_not_count(tmp_path: Path) -> None:
     once = PLAN.replace("repetitions = 2", 'requirements = ["SRS-1"]').replace('judge = "mean"', "")
     waived = 'max = 0.02, requirement = "SRS-2", waived = { reason = "new filter", by = "ann" }'

@@ -97,6 +97,7 @@ def test_a_slow_stream_tells_what_its_rate_allows(open_wire: Opener, tmp_path: P
         assert found.found[name].reason
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_what_record_wrote_is_analysed_reported_and_compared(tmp_path: Path) -> None:
     def done(*arguments: object) -> str:
         result = CliRunner().invoke(app, [str(each) for each in arguments])

@@ -38,6 +38,7 @@ def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
     return lambda *arguments: CliRunner().invoke(app, arguments)
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     invoke: Invoke, tmp_path: Path
 ) -> None:
@@ -66,6 +67,7 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert "The transducer disagrees: torque_ripple_pp" in text
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_the_report_of_repetitions_says_of_the_shaft_what_the_run_says(
     invoke: Invoke, tmp_path: Path
 ) -> None:
