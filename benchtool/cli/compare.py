@@ -17,7 +17,7 @@ from benchtool.cli.differences import show_differences
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
 from benchtool.cli.results import show_disagreements, together_text
 from benchtool.errors import UsageError
-from benchtool.report.results import difference
+from benchtool.report import difference
 from benchtool.results import (
     Chance,
     Comparison,
