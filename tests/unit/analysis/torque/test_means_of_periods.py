@@ -86,6 +86,32 @@ def test_a_course_is_one_over_time_while_the_speed_rises_or_falls(speeds_rad_s: 
     assert 0.5 < float(np.sqrt(np.mean(np.square(errors)))) < 1.7
 
 
+def test_a_course_over_time_goes_on_behind_the_last_period() -> None:
+    time_s = np.arange(20_000) / RATE_HZ
+    angle_rad = 160.0 * time_s - 30.0 * time_s**2
+    marks = PeriodMarks.of_angle(angle_rad, 2.0 * np.pi)
+    assert marks is not None
+    repeats = Periods(np.ceil(marks.numbers - 1e-6).astype(np.int64), "revolutions", marks=marks)
+    drift = 0.5 * time_s
+    found = mean_over_periods(repeats.told(2.0 + drift + 0.1 * np.cos(6.0 * angle_rad)), repeats)
+    assert found.course is not None
+    behind = slice(repeats.rows[-1], len(repeats.told(drift)))
+    assert behind.stop - behind.start > 500
+    course = found.course.at(repeats.places(behind.stop))
+    apart = course - drift[: behind.stop]
+    assert np.max(np.abs(apart[behind] - apart[0])) < 3e-3
+
+
+@pytest.mark.parametrize("rows", [4150, 4210, 4390])
+def test_an_incomplete_period_on_a_drift_of_few_periods(rows: int) -> None:
+    """Of fewer than 16 periods a drift is no course, and all of the record counts of it."""
+    number = np.arange(float(rows))
+    drift, ripple = 1e-4 * number, 0.3 * np.sin(2 * np.pi * number / 400.0)
+    found = mean_over_periods(drift + ripple, Periods(np.arange(0, rows, 400)))
+    assert found.course is None
+    assert found.mean == pytest.approx(float(np.mean(drift)), abs=2e-5)
+
+
 def test_turns_begin_where_an_angle_of_any_speed_says() -> None:
     rows = np.arange(400.0)
     angle_rad = 0.3 - 2.0 * np.pi * (rows / 100.0 + (rows / 400.0) ** 2)
