@@ -26,6 +26,7 @@ _HARMONICS = 4  # of the errors of steps
 _PHASES = (np.arange(64) + 0.5) * (2.0 * math.pi / 64)
 
 _EDGE = 0.5  # of a step, from the middle of a level
+_LEAST_DEPTH = 1e-6  # of a step
 _WIDER = 1  # rows, as both ends are uncertain by
 _TOGETHER = 0.5  # of the rows from the first to the last on the level
 _UNLIKE = 3.0  # times as long in the level before on one side as on the other: no power of the width
@@ -76,9 +77,34 @@ def _interval(random: np.random.Generator, rows: tuple[int, ...], draws: int) ->
 
 def within_levels(random: np.random.Generator, samples: Floats, step: float, draws: int) -> Floats:
     """Return errors, shape (draws, n), the same for all samples, shape (n,), on one level and independent
-    otherwise."""
+    otherwise; on the greatest one, where the curve stays, they rise from its lower edge to that."""
     level = _levels(samples, step)
-    return np.asarray(step * random.uniform(-_EDGE, _EDGE, (draws, int(np.max(level)) + 1))[:, level])
+    highest = int(np.max(level))
+    of_level = random.uniform(-_EDGE, _EDGE, (draws, highest + 1))
+    errors = of_level[:, level]
+    if arrival := _arrival(level):
+        first, rows = arrival
+        rises = _arriving(random, of_level[:, highest:] + _EDGE, len(level) - first, rows)
+        errors[:, first:] = np.where(level[first:] == highest, rises, errors[:, first:])
+    return np.asarray(step * errors)
+
+
+def _arrival(levels: Rows) -> tuple[int, int] | None:
+    """Return the row in which levels, shape (n,), first are on the greatest, and after how many rows on the
+    one before; None if they do not rise level by level to that and stay there until their end."""
+    highest = int(np.max(levels))
+    first, before = (int(np.argmax(levels == each)) for each in (highest, highest - 1))
+    stays = levels[-1] == highest and np.mean(levels[first:] == highest) > _TOGETHER
+    return (first, first - before) if stays and 0 < before < first else None
+
+
+def _arriving(random: np.random.Generator, depth: Floats, count: int, rows: int) -> Floats:
+    """Return how far a curve is above the middle of the level that it stays on, in steps, shape (draws,
+    count), which comes to rest so deep in it, shape (draws, 1): as a lag that took so many rows for the level
+    before."""
+    since = np.arange(count) + random.uniform(size=depth.shape)
+    rate = np.log1p(1.0 / np.maximum(depth, _LEAST_DEPTH)) / rows
+    return np.asarray(depth * -np.expm1(-rate * since) - _EDGE)
 
 
 def at_turns(random: np.random.Generator, samples: Floats, step: float, errors: Floats) -> Floats:

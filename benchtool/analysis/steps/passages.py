@@ -77,7 +77,8 @@ class Crossing:
 def first_passage(above: Floats, sure: Floats) -> Crossing | None:
     """Return where a curve, shape (n,), so far `above` a level first rises to it; None where it does not.
 
-    Until it is beyond the level by what is `sure`, shape (n,), samples below it put the place off.
+    Until it is beyond the level by what is `sure`, shape (n,), or for longer than it went to and fro, samples
+    below it put the place off.
     """
     at = int(np.argmax(above >= 0.0))
     if above[at] < 0.0:
@@ -85,11 +86,19 @@ def first_passage(above: Floats, sure: Floats) -> Crossing | None:
     found = _between(above, at) if at else _before_the_first(above)
     after = above[at:]
     clear = np.flatnonzero((after >= sure[at:]) | (after <= -_TROUGH * sure[at:]))
-    until = int(clear[0]) if len(clear) else 0
+    until = int(clear[0]) if len(clear) else _stays(after)
     if after[until] < 0.0:  # it falls from a crest beyond the level, and passes that again later
         until = int(np.flatnonzero(after[:until] >= 0.0)[-1])
     again = int(np.count_nonzero(after[:until] < 0.0))
     return Crossing(found.place + again, found.reach) if again else found
+
+
+def _stays(after: Floats) -> int:
+    """Return after how many values, shape (n,), the first of them not below zero, none is; 0 where that is
+    later than their middle."""
+    below = np.flatnonzero(after < 0.0)
+    stays = int(below[-1]) + 1 if len(below) else 0
+    return stays if 2 * stays < len(after) else 0
 
 
 def rising(above: Floats, sure: Floats) -> Floats:

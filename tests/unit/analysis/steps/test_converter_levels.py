@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.analysis import analyze_step
 from benchtool.analysis.steps.converter_levels import at_turns, left_beside_a_line, within_levels
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
+from benchtool.block import Block
 
 Floats = NDArray[np.float64]
 
@@ -120,3 +122,23 @@ def test_what_no_line_makes_is_not_that_of_a_line() -> None:
         left_beside_a_line(np.round(line + size * random.standard_normal(1000)), 1.0) for size in (0.3, 0.0)
     )
     assert noisy < 0.5 * quiet  # which hides them
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.25])
+def test_a_level_within_that_in_which_a_lag_comes_to_rest_is_passed_later_than_its_edge(noise: float) -> None:
+    """98 % of a step of 50 are up to a tenth of a level above its edge, and the lag stays within that."""
+    random, row, lag = np.random.default_rng(5), np.arange(2000.0), 75.0
+    relative = []
+    for beyond in np.linspace(0.02, 0.18, 9):
+        since = np.maximum(row - 500.0 + random.uniform(), 0.0)
+        way = 100.0 + beyond + 50.0 * -np.expm1(-since / lag)
+        speed = 2.0 * np.round((way + noise * random.standard_normal(len(row))) / 2.0)
+        reference = 100.0 + beyond + np.where(row < 500.0, 0.0, 50.0)
+        block = Block.from_arrays(5e3, {"y": "rad/s", "r": "rad/s"}, y=speed, r=reference)
+        found = analyze_step(block, "y", "r").measurements
+        reached = next(each for each in found if each.name == "reach_time")
+        if reached.uncertainty is not None:
+            error_s = reached.value - lag * np.log(50.0) / 5e3
+            relative.append(error_s / reached.uncertainty.standard)
+    assert len(relative) >= 7
+    assert np.sqrt(np.mean(np.square(relative))) < 1.4

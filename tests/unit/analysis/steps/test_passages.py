@@ -50,6 +50,16 @@ def test_samples_below_a_level_put_it_off_until_the_curve_is_surely_beyond() -> 
     assert late.place == pytest.approx(passed(above.tolist()).place + 1.0)
 
 
+def test_samples_below_a_level_put_it_off_until_the_curve_stays_though_nothing_is_surely_beyond() -> None:
+    flickers, sure = [0.9, -1.1, -1.1, 0.9, -1.1, 0.9, 0.9], np.full(20, 1.2)
+    late = first_passage(np.array([-1.1] * 3 + flickers + [0.9] * 10), sure)
+    assert late is not None
+    assert late.place == pytest.approx(passed([-1.1] * 3 + [0.9] * 17).place + 3.0)
+    too_short = first_passage(np.array([-1.1] * 3 + flickers), sure[:10])
+    assert too_short is not None
+    assert too_short.place < 3.0
+
+
 @pytest.mark.parametrize("begin", [0.0, 0.25, 0.5, 0.75])
 def test_a_smooth_curve_passes_within_the_reach(begin: float) -> None:
     place = 5.0 + begin
