@@ -171,13 +171,16 @@ class NoisyCurve:
         """Standard uncertainty at every sample, shape (n,)."""
         return np.std(self.errors, axis=0) if len(self.errors) else np.zeros(len(self.values))
 
-    def drifting(self, doubt: float) -> NoisyCurve:
-        """Return the curve with a drift, of this standard deviation per sample, among what may be in it."""
+    def drifting(self, doubt: float, before: int = 0) -> NoisyCurve:
+        """Return the curve with a drift, of this standard deviation per sample, among what may be in it, and
+        in the mean of so many samples `before` it."""
         if not doubt > 0.0:
             return self
         errors = self.errors if len(self.errors) else np.zeros((_DRAWS, len(self.values)))
-        drifts = doubt * np.random.default_rng(SEED).standard_normal((len(errors), 1))
-        return replace(self, errors=errors + drifts * np.arange(len(self.values)))
+        drifts = doubt * np.random.default_rng(SEED).standard_normal(len(errors))
+        level = (0.0 if self.before is None else self.before) - 0.5 * before * drifts
+        errors = errors + drifts[:, np.newaxis] * np.arange(len(self.values))
+        return replace(self, errors=errors, before=level)
 
     def since(self, row: int) -> NoisyCurve:
         """Return the part of the curve from a row onwards."""

@@ -79,7 +79,8 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     curve, at_rest = _curve(step)
     band = _band(step, curve)
     drift = find_drift(step, at_rest)
-    found = tuple(_measurements(step, curve.drifting(drift.doubt), band, drift.slope))
+    drifting = curve.drifting(drift.doubt, len(step.y_before))
+    found = tuple(_measurements(step, drifting, band, drift.slope))
     if step.clicks:
         found = tuple(_without_clicks(found, step.clicks))
     if drift.reason:
