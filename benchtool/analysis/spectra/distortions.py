@@ -18,6 +18,7 @@ from benchtool.analysis.spectra.groups import (
     group_distortion,
     ratio_of,
     scatter_of_begins,
+    scatter_of_bursts,
 )
 from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
@@ -161,7 +162,8 @@ def group_distortions(
         noise, of_order_1 = MeanError(rest * by_noise.standard, by_noise.dof), rest * of_order_1
     # the square that a converter's steps add to the harmonics, at most, over that of the fundamental
     steps2 = errors.most_power_of_steps / spectrum.fundamental**2 if spectrum.fundamental else 0.0
-    begins = scatter_of_begins(coherent if beside is None else beside.samples, HIGHEST_HARMONIC)
+    samples = coherent if beside is None else beside.samples
+    begins, of_bursts = scatter_of_begins(samples, HIGHEST_HARMONIC), scatter_of_bursts(samples)
     kinds: tuple[tuple[str, Kind], ...] = (
         ("current_thd_f_groups", "group"),
         ("current_thd_f_subgroups", "subgroup"),
@@ -178,7 +180,7 @@ def group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         clean = groups if beside is None else beside.without
-        value = group_distortion(clean, kind, noise, of_order_1, distortion.ratio)
+        value = group_distortion(clean, kind, noise, of_order_1, distortion.ratio, of_bursts)
         if groups.orders > 1:
             value = replace(value, ratio=ratio_of(groups.of(kind)))
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after {_STANDARD}"

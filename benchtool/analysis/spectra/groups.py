@@ -27,6 +27,7 @@ FEWEST_WINDOWS = 3
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
 _BY_CHANCE, _RARELY = 0.1, 0.02
+_LAGS, _SURELY = 16, 3.0  # rows within which a click is alike; standard deviations
 _BEGINS = 8  # as many tell what goes with the phase, and with twice that, over a few periods
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples, less whole ones, are evenly spread however many
 _BATCH = 1 << 18  # samples transformed at a time
@@ -149,7 +150,31 @@ def ratio_of(squares: NDArray[np.float64]) -> float:
     return math.sqrt(float(np.sum(mean[1:]) / mean[0])) if mean[0] > 0.0 else math.nan
 
 
-def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
+def scatter_of_bursts(coherent: CoherentSamples) -> float:
+    """Return the relative standard uncertainty of the power of what no period repeats, by how much more it
+    scatters than that of normal noise of the same spectrum: of few clicks, by the root of their number.
+
+    A click is in all bins alike, whose powers show nothing of it. The square of normal noise has twice the
+    square of its autocovariance.
+    """
+    values = coherent.values.reshape(coherent.periods, coherent.per_period)
+    left = (values - np.mean(values, axis=0)).ravel()
+    power = left**2
+    mean2 = float(np.mean(power))
+    if not mean2 > 0.0:
+        return 0.0
+    about, beyond, alike = power - mean2, 0.0, 0.0
+    for lag in range(min(_LAGS, len(left))):
+        pairs, sides = len(left) - lag, 2.0 if lag else 1.0
+        of_normal = float(left[:pairs] @ left[lag:] / len(left)) ** 2
+        beyond += sides * (float(about[:pairs] @ about[lag:]) / len(left) - 2.0 * of_normal)
+        alike += sides * of_normal / mean2**2
+    # of normal noise the variances of the fourth cumulant and of products of two squares, lag by lag
+    by_chance = _SURELY * math.sqrt((24.0 + 16.0 * (_LAGS - 1)) / len(left)) * alike
+    return math.sqrt(beyond / len(left)) / mean2 if beyond > by_chance * mean2**2 else 0.0
+
+
+def power_beside_lines(groups: HarmonicGroups, kind: Kind, of_bursts: float = 0.0) -> MeanError:
     """Return the error of THDG or THDS by what is beside the lines in the groups, or moves these.
 
     Of its power, less what order 1 has of it by its share, the scatter over the windows tells how well the
@@ -157,6 +182,7 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
     each bin by itself: the scatter of each over the windows, in one window half of its square, tells it by
     many bins. Both count by their degrees of freedom, unless they differ by more than chance: then the
     scatter of all together does, because bursts are in all bins at once, and lines that beat are in few.
+    Few windows do not show that, and what `of_bursts` is relative to the power is added.
     """
     squares, power = groups.of(kind), groups.beside2
     ratio, windows = ratio_of(squares), len(squares)
@@ -169,9 +195,9 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind) -> MeanError:
     square, fourth = float(np.sum(of_bins)), float(of_bins @ of_bins)
     dof = max(1.0, 2.0 * square**2 / fourth) if fourth > 0.0 else math.inf
     apart = MeanError(math.sqrt(square) * students_deviation(dof), dof)
-    if windows < FEWEST_WINDOWS:
-        return apart
     each = power @ slopes
+    if windows < FEWEST_WINDOWS:
+        return replace(apart, standard=math.hypot(apart.standard, of_bursts * float(np.mean(each))))
     together = error_of_series(each)
     if not math.isfinite(together.standard):  # they wander together: their mean is as good as one of them
         return MeanError(min(apart.standard, float(np.std(each))), windows - 1.0)
@@ -211,6 +237,7 @@ def group_distortion(
     by_noise: MeanError | None = None,
     of_order_1: float = 0.0,
     of_lines: float = 0.0,
+    of_bursts: float = 0.0,
 ) -> GroupDistortion:
     """Return sqrt(sum over h = 2 ... H of Y_h^2) / Y_1: THDG or THDS.
 
@@ -218,7 +245,7 @@ def group_distortion(
     windows together, adds to it in one window and is taken off it in another, and in the mean it is gone: the
     lines of these groups are those of the record, and have their noise, which makes of a ratio `of_lines`
     alone `by_noise`, with `of_order_1`, the relative uncertainty of Y_1. What remains of all else is its
-    power. Where the noise is not known the ratio of each window tells both.
+    power, which bursts make uncertain by as much relative to it. Where the noise is not known the ratio of each window tells both.
     """
     squares = groups.of(kind)
     ratio, windows = ratio_of(squares), len(squares)
@@ -230,7 +257,7 @@ def group_distortion(
     # what is in the groups beside the lines makes of the same noise less of a ratio
     share = min(1.0, of_lines / ratio) if of_lines > 0.0 else 1.0
     lines = math.hypot(share * by_noise.standard, ratio * of_order_1)
-    beside = power_beside_lines(groups, kind)
+    beside = power_beside_lines(groups, kind, of_bursts)
     budget = (
         Contribution("noise in the harmonics", "A", lines, by_noise.dof),
         beside.line(f"power beside the harmonics in {windows} windows"),

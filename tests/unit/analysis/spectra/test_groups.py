@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
+from scipy import signal
 
 from benchtool.analysis import (
     CoherentSamples,
@@ -19,7 +20,12 @@ from benchtool.analysis import (
     track_angle,
 )
 from benchtool.analysis.measurement import Basis
-from benchtool.analysis.spectra.groups import Kind, power_beside_lines, scatter_of_begins
+from benchtool.analysis.spectra.groups import (
+    Kind,
+    power_beside_lines,
+    scatter_of_begins,
+    scatter_of_bursts,
+)
 from benchtool.analysis.statistics.scatter import MeanError
 
 RATE_HZ = 10e3
@@ -240,3 +246,29 @@ def test_in_which_period_windows_begin_matters_where_a_line_is_beside_a_harmonic
         told.append(scatter_of_begins(samples_of(wave + line, 45), 50)["group"])
     assert np.min(told) > 0.5 * np.std(ratios)
     assert np.mean(told) == pytest.approx(np.std(ratios), rel=0.3)
+
+
+def test_few_clicks_make_groups_of_few_windows_as_uncertain_as_their_number_is() -> None:
+    """Eight clicks on average in two windows: in every bin alike, so that none of these tells the others'."""
+    turns, random = np.arange(20 * 200) / 200, np.random.default_rng(9)
+    wave = np.cos(2 * np.pi * turns) + 0.03 * np.cos(10 * np.pi * turns)
+    ratios, with_bursts, of_bins = [], [], []
+    for _ in range(40):
+        clicks = 0.5 * random.choice([-1.0, 1.0], len(turns)) * (random.random(len(turns)) < 8 / len(turns))
+        samples = samples_of(wave + clicks, 20)
+        groups, bursts = harmonic_groups(samples, 50), scatter_of_bursts(samples)
+        assert groups is not None
+        assert bursts == pytest.approx(np.count_nonzero(clicks) ** -0.5, rel=0.2)
+        ratios.append(group_distortion(groups, "group").ratio)
+        with_bursts.append(power_beside_lines(groups, "group", bursts).standard)
+        of_bins.append(power_beside_lines(groups, "group").standard)
+    assert np.mean(of_bins) < 0.3 * np.std(ratios)
+    assert np.mean(with_bursts) == pytest.approx(np.std(ratios), rel=0.3)
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.9])
+def test_normal_noise_of_any_colour_has_no_bursts(pole: float) -> None:
+    random = np.random.default_rng(11)
+    for _ in range(10):
+        noise = signal.lfilter([1.0], [1.0, -pole], random.standard_normal(5000))[-4000:]
+        assert scatter_of_bursts(samples_of(np.cos(np.pi * np.arange(4000) / 100) + noise, 20)) == 0.0
