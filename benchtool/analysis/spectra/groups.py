@@ -245,7 +245,8 @@ def group_distortion(
     windows together, adds to it in one window and is taken off it in another, and in the mean it is gone: the
     lines of these groups are those of the record, and have their noise, which makes of a ratio `of_lines`
     alone `by_noise`, with `of_order_1`, the relative uncertainty of Y_1. What remains of all else is its
-    power, which bursts make uncertain by as much relative to it. Where the noise is not known the ratio of each window tells both.
+    power, which bursts make uncertain by as much relative to it. Where the noise is not known the ratio of
+    each window tells both.
     """
     squares = groups.of(kind)
     ratio, windows = ratio_of(squares), len(squares)
