@@ -212,7 +212,7 @@ SECTIONS: Final = (
         "frequency (`benchtool.analysis.phase`).",
         """
         0035 0180 0186 0221 0236 0320 0206 0304 0340 0189
-        0245 0413 0415 0416 0417 0353 0375 0241 0301 0370 0418 0477
+        0245 0413 0415 0416 0417 0353 0375 0503 0241 0301 0370 0418 0477
         """,
     ),
     Section(
@@ -221,7 +221,7 @@ SECTIONS: Final = (
         "(`benchtool.analysis.spectra`, `benchtool.analysis.noise`).",
         """
         0044 0147 0159 0188 0158 0446 0278 0273 0318 0272
-        0411 0412 0414 0276 0404 0396 0449 0464 0469 0478 0319 0202 0233 0244
+        0411 0412 0414 0276 0396 0449 0464 0469 0478 0319 0202 0233 0244 0504
         0394
         """,
     ),
@@ -230,7 +230,7 @@ SECTIONS: Final = (
         "The largest lines of a torque or current: whether they are one line, steady, and above the noise "
         "(`benchtool.analysis.lines`).",
         """
-        0220 0226 0277 0303 0379 0385 0395
+        0220 0226 0277 0303 0379 0385 0395 0404
         """,
     ),
     Section(
@@ -267,7 +267,7 @@ SECTIONS: Final = (
         "The curve through noisy samples, and latency, rise, reach and settling time on it "
         "(`benchtool.analysis.steps`).",
         """
-        0047 0179 0242 0195 0502 0470 0472 0473 0307 0426 0461
+        0047 0179 0242 0195 0502 0501 0470 0472 0473 0307 0426 0461
         0148 0201 0299 0252 0281 0423 0223 0305 0288 0297 0383 0336
         """,
     ),
@@ -276,7 +276,7 @@ SECTIONS: Final = (
         "The extremes of an answer: corners, tops between rows, and what noise adds to the greatest value "
         "(`benchtool.analysis.steps`).",
         """
-        0200 0284 0391 0424 0463 0459 0501 0224 0380 0211 0251 0382 0306 0258 0333 0387
+        0200 0284 0391 0424 0463 0459 0224 0380 0211 0251 0382 0306 0258 0333 0387
         """,
     ),
     Section(

@@ -26,6 +26,8 @@ _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _PASSES = 2
 _BEYOND = 3.0  # standard uncertainties of the angle
+_PLACES = 64  # in a period
+_OF_EITHER = "what may be the rotor's or an error of its sensor"
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
 Floats = NDArray[np.float64]
@@ -50,7 +52,8 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
         return _with_tone(counted, by_tone) if departed is counted else departed
     repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
     measured_rad = track.measured_rad - repeated_rad
-    may_be_rad = float(repeated_rad[-1] - repeated_rad[0])
+    within_rad = _within_periods(track, smooth_rad, repeated_rad)
+    may_be_rad = float(repeated_rad[-1] - repeated_rad[0]) - within_rad
     if track.departure is not None:
         found = _by_ends(track, measured_rad, seen)
     else:
@@ -62,13 +65,38 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
             noise = _by_ends(track, measured_rad, seen).budget[0]
             if noise.standard < _COMPUTED_RAD:
                 found = Turned(float(measured_rad[-1] - measured_rad[0]), (noise,), noise.name)
-    half_rad = _HALF * may_be_rad
-    of_sensor = Contribution("what may be the rotor's or an error of its sensor", "B", abs(half_rad))
-    turned = Turned(found.phase_rad + half_rad, (*found.budget, of_sensor), found.source)
+    turned = _with_half(found, may_be_rad, may_be_rad)
     result = turned
     if track.departure is None:
         result = _with_departure(turned, track, seen, measured_rad - smooth_rad)
-    return _with_tone(result, by_tone) if result is turned and track.resolution_rad > 0.0 else result
+    if result is turned and track.resolution_rad > 0.0:
+        result = _with_tone(result, by_tone)
+    return _with_half(result, within_rad, may_be_rad)
+
+
+def _with_half(turned: Turned, more_rad: float, may_be_rad: float) -> Turned:
+    """Return it with half of what more may be the rotor's or an error of its sensor: all of it is, with
+    `may_be_rad`, of which a half is in it, or nothing."""
+    half_rad = _HALF * more_rad
+    before_rad = sum(each.standard for each in turned.budget if each.name == _OF_EITHER)
+    others = [each for each in turned.budget if each.name != _OF_EITHER]
+    doubt = Contribution(_OF_EITHER, "B", abs(math.copysign(before_rad, may_be_rad) + half_rad))
+    return Turned(turned.phase_rad + half_rad, (*others, doubt), turned.source)
+
+
+def _within_periods(track: PhaseTrack, smooth_rad: Floats, repeated_rad: Floats) -> float:
+    """Return how far what an angle repeats, shape (n,), gets over the record beside its own means over
+    periods, which is all that the phases of periods of the signal show of it."""
+    from scipy import ndimage
+
+    turns = (smooth_rad - smooth_rad[0]) / (2.0 * math.pi)
+    if turns[-1] < track.pole_pairs or not np.any(repeated_rad):
+        return 0.0
+    places = np.linspace(0.0, track.pole_pairs, track.pole_pairs * _PLACES, endpoint=False)
+    of_revolution = np.interp(places, turns, repeated_rad)
+    within_rad = of_revolution - ndimage.uniform_filter1d(of_revolution, _PLACES, mode="wrap")
+    begin, end = np.interp(turns[[0, -1]] % track.pole_pairs, places, within_rad, period=track.pole_pairs)
+    return float(end - begin)
 
 
 def _with_tone(turned: Turned, by_tone: Turned | None) -> Turned:

@@ -87,3 +87,23 @@ def test_an_encoder_that_is_wrapped_by_a_computation_counts_in_its_steps(lines: 
         angle = random.uniform(0.0, 2 * np.pi) + np.cumsum(2 * np.pi * speed / RATE_HZ)
         read = np.floor(angle / step) * step % (2 * np.pi)
         assert track_angle(read, POLE_PAIRS).resolution_rad == pytest.approx(POLE_PAIRS * step, rel=1e-6)
+
+
+def test_what_the_rotor_does_within_periods_is_in_a_frequency_that_both_angle_and_current_tell() -> None:
+    """Three times a revolution of two periods, by 4 mrad, under a load that goes with it."""
+    relative = []
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        turns = (20.0 + random.uniform(0.5, 3.5)) * np.arange(3600) / 3599
+        rotor = np.pi * turns + random.uniform(0.0, 2.0 * np.pi)
+        rotor += 0.002 * np.sin(3.0 * rotor + random.uniform(0.0, 2.0 * np.pi))
+        load = 5.0 + 0.2 * np.cos(3.0 * rotor)
+        current = load * np.cos(2.0 * rotor) + 1e-3 * random.standard_normal(len(rotor))
+        count = 2.0 * np.pi / 1024
+        angle = count * np.floor(rotor / count) % (2.0 * np.pi)
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(angle, 2)).measurements[0]
+        assert found.uncertainty is not None
+        true_Hz = 2.0 * (rotor[-1] - rotor[0]) / (2.0 * np.pi * 3599 / RATE_HZ)
+        relative.append((found.value - true_Hz) / found.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(relative))) < 1.5
