@@ -146,6 +146,9 @@ def spectral_lines(
         amplitude = Measurement.undefined(amplitude.name, unit, amplitude.definition, why, basis)
     elif unsure := rows[0].unsure or next((each.unsure for each in rows if is_sideband(rows[0], each)), ""):
         amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=unsure)
+    if rows[0].unsure:
+        text = f"{frequency.definition}, between its sidebands, whatever part of a swing the record holds"
+        frequency = replace(frequency, definition=text)
     if reason:
         frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
     return SpectralLines((frequency, amplitude), (_table(name, listed, channel, unit, what, basis),))
