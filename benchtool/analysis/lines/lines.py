@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -19,6 +20,7 @@ from benchtool.analysis.lines.around_lines import (
     interpolated,
     surrounded,
 )
+from benchtool.analysis.lines.drifting_lines import drifting_line
 from benchtool.analysis.lines.line_course import along_course
 from benchtool.analysis.lines.quantised_lines import HANN_POWER, steps_in_lines
 from benchtool.analysis.lines.steadiness import Line, examined
@@ -44,6 +46,7 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
+_NEARLY, _HALF = 0.9, 0.5  # of an amplitude
 _MOST_PLACES, _WHOLE = 1 << 16, 0.1
 
 
@@ -65,7 +68,8 @@ def spectral_lines(
     with an amplitude above five times the rms of the noise around it (`around_lines`). Of one that decays,
     or whose frequency drifts, they are the means over the record; what no such course explains has none
     (`steadiness`). What is slower than three periods in the record is not told from a drift: where it is more
-    than the largest line, the largest is not known. `rate_relative` is the standard uncertainty of the sample
+    than the largest line, the largest is not known, and neither is it where a line drifts over so many bins
+    that it stands out of none (`drifting_line`). `rate_relative` is the standard uncertainty of the sample
     rate, relative to it, which is that of every frequency too. The results are named after `name`, by default
     after the channel, of omega_m after "speed".
 
@@ -100,7 +104,8 @@ def spectral_lines(
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
-        reason = clipped or "no line stands out of the noise"
+        drifts = "" if clipped else _drifts(samples, rows, unit, width_Hz)
+        reason = clipped or drifts or "no line stands out of the noise"
         if count < _FEWEST:
             reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
         undefined = (
@@ -116,7 +121,7 @@ def spectral_lines(
         )
         for each in rows[:_LISTED]
     )
-    slower = _slower(samples, unit, rows[0])
+    slower = _slower(samples, unit, rows[0]) or _drifts(samples, rows, unit, width_Hz)
     reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1], unit))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
@@ -193,6 +198,22 @@ def _slower(samples: Floats, unit: str, largest: Line) -> str:
         return ""
     least = f"{float(np.max(size)):.4g} {unit}".rstrip()
     return f"a line slower than {_LOWEST_BIN} periods in the record may be larger, {least}: record longer"
+
+
+def _drifts(samples: Floats, rows: Sequence[Line], unit: str, width_Hz: float) -> str:
+    """Return why the first of the `rows`, the lines that stand out of samples, shape (n,), is perhaps not the
+    largest: another one drifts over many bins, and is none of them."""
+    line = drifting_line(_windowed(samples), _LOWEST_BIN)
+    if line is None or (rows and line.amplitude < _NEARLY * rows[0].amplitude):
+        return ""
+    within = [each.amplitude for each in rows if abs(each.place - line.place) < line.reach]
+    if math.hypot(*within) > _HALF * line.amplitude:  # such as one whose phase swings, and its sidebands
+        return ""
+    size = f"{line.amplitude:.3g} {unit}".rstrip()
+    return (
+        f"a line of about {size} drifts around {line.place * width_Hz:.4g} Hz, over so many bins that it "
+        f"stands out of none: choose a window of steady speed, or record an angle"
+    )
 
 
 def _windowed(samples: Floats) -> Complexes:
