@@ -49,7 +49,7 @@ def _errors(spectrum: OrderSpectrum, orders: list[int]) -> Array:
 @pytest.mark.parametrize("course", _COURSES)
 def test_a_course_of_the_amplitude_is_no_scatter(course: str, way: Callable[[Array], OrderSpectrum]) -> None:
     rng = np.random.default_rng(4)
-    found = [way(_torque(_COURSES[course], rng)) for _ in range(10)]
+    found = [way(_torque(_COURSES[course], rng)) for _ in range(6)]
     errors = np.array([_errors(each, [1, 6]) for each in found])
     assert 0.6 < np.sqrt(np.mean(errors**2)) < 1.5
     # of the two sizes about the constant of a swing the noise tells a little less
@@ -62,7 +62,7 @@ def test_a_course_of_the_amplitude_is_no_scatter(course: str, way: Callable[[Arr
 @pytest.mark.parametrize("drift", [0.0, 0.3, -4.0])
 def test_a_course_is_not_in_the_orders_beside_it(way: Callable[[Array], OrderSpectrum], drift: float) -> None:
     rng = np.random.default_rng(5)
-    found = [way(_torque(_COURSES["falls"], rng, drift)) for _ in range(8)]
+    found = [way(_torque(_COURSES["falls"], rng, drift)) for _ in range(5)]
     assert np.all(np.abs([_errors(each, [1, 6]) for each in found]) < 4.0)
     assert np.median([each.standard[0] for each in found]) < 2.0 * _WHITE
     errors = np.array([_errors(each, [2, 3]) for each in found])
@@ -81,7 +81,7 @@ def test_a_course_by_angle_is_bridged_where_turns_are_left_out() -> None:
     """Most of the first turn, one and a half in the middle, and most of the last."""
     rng = np.random.default_rng(7)
     left_out = slice(20, 180), slice(4000, 4300), slice(7700, 7980)
-    found = [_by_angle(_torque(_COURSES["falls"], rng), *left_out) for _ in range(6)]
+    found = [_by_angle(_torque(_COURSES["falls"], rng), *left_out) for _ in range(3)]
     assert np.all(np.abs([_errors(each, [1, 6]) for each in found]) < 4.0)
     assert np.all(np.array([each.standard[0] for each in found]) < 3.0 * _WHITE)
 
