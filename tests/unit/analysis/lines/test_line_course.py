@@ -32,6 +32,25 @@ def _errors(swing_rad: float, cycles: float) -> np.ndarray[tuple[int], np.dtype[
     return np.array(found)
 
 
+@pytest.mark.parametrize("noise", [4e-4, 4e-2])
+@pytest.mark.parametrize("rows", [1000, 3000])
+def test_the_mean_of_a_drift_is_over_all_rows_however_quiet_they_are(rows: int, noise: float) -> None:
+    """Parts of the record are not of one length, of few cycles, and the frequency changes within them."""
+    errors = []
+    for seed in range(16):
+        random = np.random.default_rng(seed)
+        time, place = np.arange(rows) / rows, 0.06 * rows + random.uniform()
+        # as far from the middle of the rows, half a row behind the begin of time
+        since = time - 0.5 + 0.5 / rows
+        turns = place * (time + 0.0075 * (since**2 - 0.25))
+        samples = 2.0 + np.cos(2 * np.pi * turns + random.uniform(0, 2 * np.pi))
+        found = sinusoids_of(samples + noise * random.standard_normal(rows))[0]
+        if found.is_one:
+            errors.append((found.place - place) / found.of_place)
+    assert len(errors) >= 12
+    assert 0.4 < float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
 @pytest.mark.parametrize(("swing_rad", "cycles"), [(0.0, 1.0), (0.4, 0.7), *at_length((0.3, 0.9))])
 def test_the_mean_is_within_its_uncertainty_under_a_slow_swing(swing_rad: float, cycles: float) -> None:
     errors = _errors(swing_rad, cycles)
