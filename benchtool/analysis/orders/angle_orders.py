@@ -9,6 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.orders.angle import TURN, AngleCoverage
+from benchtool.analysis.orders.angle_equations import (
+    MOST_GROUPS,
+    Equations,
+    groups_of,
+    is_well_conditioned,
+    sums_of,
+)
 from benchtool.analysis.orders.between_orders import (
     FEWEST_REVOLUTIONS as FEWEST_BETWEEN,
     fitted_share,
@@ -23,15 +30,12 @@ _SECTORS = 360
 _USABLE_BAND = 0.45  # of one over the longest arc without a sample: the circle's Nyquist limit is 0.5
 _STEPS_PER_PERIOD = 10  # of a coarse angle: the fit is then at most sinc(1/10) = 1.6 % low
 _CELLS_PER_UNKNOWN = 2
-_WORST_CONDITION = 0.2  # least eigenvalue of the normal matrix, 1 for even coverage
 _FEWEST_REVOLUTIONS = 4  # for a scatter over revolutions
 _FEWEST_OF_PHASE = 8  # revolutions whose phase is told to wander
 _CLEARLY = 6.0  # a ratio of variances of as many revolutions: by chance once in a hundred, or much less
 _SHOWS = 0.25  # scatter of an amplitude over its mean; of noise alone it is 0.52 (Rayleigh)
-MOST_GROUPS = 1000  # which are held in memory, each with the sums of all orders
 _PLACES = 8  # in a revolution, by which it is told to be whole
 _PASSES = 3  # of a course and of orders beside it
-_PIECE = 256  # samples whose powers stay in the cache
 
 
 @dataclass(frozen=True)
@@ -94,33 +98,59 @@ def fit_orders(
     if coverage.revolutions < _FEWEST_REVOLUTIONS:
         # with orders k and N - k of N rows a revolution a fit takes along all noise that is between them
         order = min(order, max(1, int(_USABLE_BAND * len(values) / coverage.revolutions)))
-    sums, products = _sums(coverage, weights, values, max(order, 1))
+    sums, products = sums_of(coverage, weights, values, max(order, 1))
     total = sums.sum(axis=0)
-    while order > 0 and not _well_conditioned(_normal(total, order)):
+    while order > 0 and not is_well_conditioned(total, order):
         order = order * 4 // 5
     if order < 1:
         raise AnalysisError(
             f"the angles leave out an arc of {math.degrees(coverage.largest_arc_rad):.3g} degrees, so that "
             f"order 1 is not told from the mean: record angles all round"
         )
-    from scipy.linalg import cho_factor, cho_solve
-    from scipy.signal import fftconvolve  # draws in scipy.stats, which takes longer than all else here
+    solved = _without_courses(Equations.of(sums, products, order), coverage, weights, values)
+    coefficient = np.asarray(solved.unknowns[order + 1 :], dtype=np.complex128)
+    spread = _spread(solved, coefficient, coverage, weights)
+    return AngleFit(
+        coefficient,
+        spread.standard,
+        spread.source,
+        float(np.real(solved.unknowns[order])),
+        solved.left_rms,
+        spread.noise,
+        spread.dof,
+        solved.on_a_course,
+    )
 
-    factor = cho_factor(_normal(total, order))
-    of_weights = _both_sides(sums[:, : 2 * order + 1])
-    turns, of_each = _turns(coverage, weights), np.real(sums[:, 0])
+
+@dataclass(frozen=True)
+class _Solved:
+    """The `unknowns` of equations, and by how much each group of revolutions moves the mean and orders 1 to
+    K, `shift`, shape (1 + K, groups), of the `values` without their `courses`; `left_rms` is what is left,
+    and `on_a_course` whether one was taken off."""
+
+    equations: Equations
+    values: NDArray[np.float64]
+    unknowns: NDArray[np.complex128]
+    shift: NDArray[np.complex128]
+    courses: CoursesByAngle
+    left_rms: float
+    on_a_course: bool
+
+
+def _without_courses(
+    equations: Equations, coverage: AngleCoverage, weights: NDArray[np.float64], values: NDArray[np.float64]
+) -> _Solved:
+    """Return the solution for values without what they do from revolution to revolution."""
+    order, turns = equations.order, _turns(coverage, weights)
     passed = (coverage.angle_rad - coverage.angle_rad.min()) / TURN
     courses = CoursesByAngle.none_over(turns, float(np.max(np.abs(values))))
     has_course = False
     for taken_off in range(1 + _PASSES):
-        # the unknowns c of exp(1j k angle), k = -order ... order
-        full = _both_sides(products[:, : order + 1])
-        solution = cho_solve(factor, full.sum(axis=0))
-        scores = full - fftconvolve(of_weights, solution[np.newaxis], "valid", axes=1)  # add up to zero
-        shift = cho_solve(factor, scores.T)[order:]
+        unknowns, scores = equations.solved()
+        shift = equations.moved_by(scores.T)[order:]
         if taken_off == _PASSES:
             break
-        each = solution[order:, np.newaxis] + (shift / of_each)[:, turns.whole]
+        each = unknowns[order:, np.newaxis] + (shift / equations.share)[:, turns.whole]
         each[1:] *= 2.0
         known, courses = courses, courses.found_in(each)
         off = courses.beside_levels(passed, coverage.angle_rad)
@@ -133,49 +163,61 @@ def fit_orders(
         if not np.any(off):
             break
         values = values - off
-        products = products[:, : order + 1] - _sums(coverage, weights, off, order)[1]
-    coefficient = np.asarray(solution[order + 1 :], dtype=np.complex128)
-    towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
-    revolutions = len(scores)
-    power = max(0.0, float(weights @ values**2 - np.real(np.vdot(solution, full.sum(axis=0)))))
+        equations = equations.less(sums_of(coverage, weights, off, order)[1])
+    explained = float(np.real(np.vdot(unknowns, equations.right.sum(axis=0))))
+    left_rms = math.sqrt(max(0.0, float(weights @ values**2) - explained))
+    return _Solved(equations, values, unknowns, shift, courses, left_rms, has_course or bool(courses.courses))
+
+
+@dataclass(frozen=True)
+class _Spread:
+    """Standard uncertainties of amplitudes, and the part that noise has, of so many degrees of freedom, all
+    of shape (K,), and where they are from."""
+
+    standard: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    dof: NDArray[np.float64]
+    source: str
+
+
+def _spread(
+    solved: _Solved,
+    coefficient: NDArray[np.complex128],
+    coverage: AngleCoverage,
+    weights: NDArray[np.float64],
+) -> _Spread:
+    """Return how uncertain amplitudes are: by their scatter over revolutions or, of few, by the noise between
+    the orders."""
+    order, shift = len(coefficient), solved.shift[1:]
     fitted = (2 * order + 1) * float(weights @ weights)  # share of white noise that the unknowns take along
-    if coverage.revolutions >= _FEWEST_REVOLUTIONS:
-        # one that is not complete counts as the part that it is
-        alike = 1.0 / float(np.sum(np.real(sums[:, 0]) ** 2))
-        turned = np.conj(towards)[:, np.newaxis] * shift[1:]
-        along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
-        left = 1.0 - max(1.0 / alike, fitted)
-        freedom = np.full(order, max(1.0, alike * left))
-        noise = 2.0 * np.sqrt(along2 / left)
-        standard = np.hypot(noise, of_levels(courses.courses, order))
-        what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
-        source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
-        if revolutions >= _FEWEST_OF_PHASE:
-            lost = _lost(coefficient, along2, across2, revolutions)
-            lost = np.maximum(lost, _turned(coefficient, shift[1:], of_each))
-            standard = np.hypot(standard, lost)
-            source += ", and what a phase that wanders takes off it"
-    else:
+    if coverage.revolutions < _FEWEST_REVOLUTIONS:
         source = "noise halfway between the orders: with fewer than 4 revolutions none from their scatter"
-        noise = standard = freedom = np.full(order, math.nan)
-        if coverage.revolutions >= FEWEST_BETWEEN:
-            between = cho_solve(factor, _between(coverage, weights, values, solution))[order:]
-            of_whole = 1.0 / coverage.revolutions  # what is at whole orders, of white noise
-            beyond = (fitted - of_whole) / (1.0 - of_whole)
-            share = max(beyond, fitted_share(coverage.revolutions))
-            noise, freedom = noise_between_orders(coefficient, between, share)
-            standard = noise
-    mean = float(np.real(solution[order]))
-    return AngleFit(
-        coefficient,
-        standard,
-        source,
-        mean,
-        math.sqrt(power),
-        noise,
-        freedom,
-        has_course or bool(courses.courses),
-    )
+        unknown = np.full(order, math.nan)
+        if coverage.revolutions < FEWEST_BETWEEN:
+            return _Spread(unknown, unknown, unknown, source)
+        between = solved.equations.moved_by(_between(coverage, weights, solved.values, solved.unknowns))
+        of_whole = 1.0 / coverage.revolutions  # what is at whole orders, of white noise
+        beyond = (fitted - of_whole) / (1.0 - of_whole)
+        share = max(beyond, fitted_share(coverage.revolutions))
+        noise, freedom = noise_between_orders(coefficient, between[order:], share)
+        return _Spread(noise, noise, freedom, source)
+    # one that is not complete counts as the part that it is
+    alike, revolutions = 1.0 / float(np.sum(solved.equations.share**2)), shift.shape[1]
+    towards = coefficient / np.maximum(np.abs(coefficient), np.finfo(float).tiny)
+    turned = np.conj(towards)[:, np.newaxis] * shift
+    along2, across2 = np.sum(turned.real**2, axis=1), np.sum(turned.imag**2, axis=1)
+    left = 1.0 - max(1.0 / alike, fitted)
+    freedom = np.full(order, max(1.0, alike * left))
+    noise = 2.0 * np.sqrt(along2 / left)
+    standard = np.hypot(noise, of_levels(solved.courses.courses, order))
+    what = "revolutions" if revolutions < MOST_GROUPS else "groups of revolutions"
+    source = f"scatter of the amplitude over {revolutions} {what}, as standard error of its mean"
+    if revolutions >= _FEWEST_OF_PHASE:
+        lost = _lost(coefficient, along2, across2, revolutions)
+        lost = np.maximum(lost, _turned(coefficient, shift, solved.equations.share))
+        standard = np.hypot(standard, lost)
+        source += ", and what a phase that wanders takes off it"
+    return _Spread(standard, noise, freedom, source)
 
 
 def _lost(
@@ -248,7 +290,7 @@ def _between(
     """Return sums of w (x - fit) exp(-1j (m + 1/2) angle), m = -K ... K, shape (2 K + 1,), for unknowns of
     orders -K ... K."""
     order = len(solution) // 2
-    sums, products = (each.sum(axis=0) for each in _sums(coverage, weights, values, order, 0.5))
+    sums, products = (each.sum(axis=0) for each in sums_of(coverage, weights, values, order, 0.5))
     full, of_weights = (
         np.concatenate([np.conj(each[::-1]), each]) for each in (products, sums)
     )  # from -K - 1/2 and -2 K - 1/2
@@ -256,8 +298,8 @@ def _between(
 
 
 def _turns(coverage: AngleCoverage, weights: NDArray[np.float64]) -> Turns:
-    """Return where the revolutions are, or the groups of them that `_sums` has rows of."""
-    group, rows = _groups(coverage)
+    """Return where the revolutions are, or the groups of them that `sums_of` has rows of."""
+    group, rows = groups_of(coverage)
     visits = np.bincount(group, minlength=rows)
     visited = visits > 0
     weight = np.bincount(group, weights=weights, minlength=rows)[visited]
@@ -274,78 +316,3 @@ def _turns(coverage: AngleCoverage, weights: NDArray[np.float64]) -> Turns:
         places=places,
         rows=float(np.mean(visits[visited])),
     )
-
-
-def _groups(coverage: AngleCoverage) -> tuple[NDArray[np.int64], int]:
-    """Return the group of each value, a revolution or some of them where they are many, and their number."""
-    last = int(coverage.revolution.max())
-    rows = min(last + 1, MOST_GROUPS)
-    return coverage.revolution * rows // (last + 1), rows
-
-
-def _sums(
-    coverage: AngleCoverage,
-    weights: NDArray[np.float64],
-    values: NDArray[np.float64],
-    order: int,
-    first: float = 0.0,
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Return sums of w exp(-1j m angle), m = f ... f + 2 `order`, and of w x exp(-1j m angle), m = f ... f +
-    `order`, with the `first` order f.
-
-    A row for each revolution, or for each group of them where they are many.
-    """
-    group, rows = _groups(coverage)
-    sums = np.zeros((rows, 2 * order + 1), dtype=np.complex128)
-    products = np.zeros((rows, order + 1), dtype=np.complex128)
-    weighted = weights * values
-    powers = np.empty((2 * order + 1, _PIECE), dtype=np.complex128)
-    in_order = np.argsort(group, kind="stable")  # a rotor that turns back visits one twice
-    bounds = np.concatenate(([0], np.cumsum(np.bincount(group, minlength=rows))))
-    for row in range(rows):
-        for begin in range(bounds[row], bounds[row + 1], _PIECE):
-            piece = in_order[begin : min(begin + _PIECE, bounds[row + 1])]
-            filled = powers[:, : len(piece)]
-            _raise(np.exp(-1j * coverage.angle_rad[piece]), filled)
-            if first:
-                filled *= np.exp(-1j * first * coverage.angle_rad[piece])
-            # not a matrix product, whose threads cost more than they save on pieces of this size
-            sums[row] += np.vecdot(weights[piece], filled)
-            products[row] += np.vecdot(weighted[piece], filled[: order + 1])
-    visited = bounds[1:] > bounds[:-1]
-    return sums[visited], products[visited]
-
-
-def _raise(base: NDArray[np.complex128], powers: NDArray[np.complex128]) -> None:
-    """Fill `powers`, shape (count, n), with powers 0 to `count` - 1, each the product of two known ones."""
-    powers[0] = 1.0
-    powers[1:2] = base
-    known = 2
-    while known < len(powers):
-        more = min(known - 1, len(powers) - known)
-        np.multiply(powers[known - 1], powers[1 : more + 1], out=powers[known : known + more])
-        known += more
-
-
-def _both_sides(sums: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return the rows of sums for m = 0 ... n, shape (rows, n + 1), as rows for m = -n ... n: the signals are
-    real."""
-    return np.concatenate([np.conj(sums[:, :0:-1]), sums], axis=1)
-
-
-def _well_conditioned(normal: NDArray[np.complex128]) -> bool:
-    """Return whether no eigenvalue is below the limit: what is left of them is positive, so Cholesky
-    succeeds."""
-    try:
-        np.linalg.cholesky(normal - _WORST_CONDITION * np.eye(len(normal)))
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
-def _normal(sums: NDArray[np.complex128], order: int) -> NDArray[np.complex128]:
-    """Return the normal matrix of unknowns -order ... order: row j, column k is the sum of w exp(1j (k - j)
-    angle)."""
-    from scipy.linalg import toeplitz
-
-    return np.asarray(toeplitz(sums[: 2 * order + 1], np.conj(sums[: 2 * order + 1])))
