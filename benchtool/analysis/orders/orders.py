@@ -90,7 +90,9 @@ def order_analysis(
     whole revolutions gives the orders (`resampled_orders`). Where rows are missing, the speed changes or the
     angle wobbles about that track by more than 1.5 mrad rms, sines are fitted on the measured angle instead
     (`fitted_orders`), and where the orders themselves tell whether that wobble is the rotor's, by what they
-    tell (`source_of_wobble`). The definition of each number says which.
+    tell (`source_of_wobble`). A mean or an amplitude that a curve of few constants explains from revolution
+    to revolution is stated at the level of that course (`order_courses`). The definition of each number says
+    which.
 
     Args:
         block: any recording; gaps are allowed.
@@ -415,7 +417,8 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
             Quantity(
                 (f"{name}_order_K",),
                 unit,
-                f"peak amplitude of order K, of those that `orders` of `[analyses.{name}_orders]` names",
+                f"peak amplitude of order K, of those that `orders` of `[analyses.{name}_orders]` names; the "
+                f"level of its course, where a drift, a step, an exponential or a swing explains it",
                 pattern=rf"{name}_order_([1-9]\d*)",
                 numbers="orders",
             ),
