@@ -96,9 +96,7 @@ def _pattern(decimal: str, delimiter: str) -> re.Pattern[str]:
 def is_number(cell: str, decimal: str, delimiter: str = "") -> bool:
     """Return whether a cell is a number, or a time that stands for one; in groups of digits too where the
     delimiter is given."""
-    if ":" in cell:
-        return is_stamp(cell)
-    return _pattern(decimal, delimiter).fullmatch(cell) is not None
+    return are_numbers((cell,), decimal, delimiter)[0]
 
 
 def are_numbers(cells: Iterable[str], decimal: str, delimiter: str = "") -> list[bool]:
