@@ -87,7 +87,9 @@ def spectral_lines(
     count = len(samples)
     width_Hz = rate_Hz / count
     clipped = clipping(samples)
-    rows = () if clipped else sinusoids_of(samples)
+    bins = _windowed(samples)
+    rows = () if clipped or count < _FEWEST else _sinusoids(samples, bins)
+    drifts = "" if clipped else _drifts(bins, rows, unit, width_Hz)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -104,7 +106,6 @@ def spectral_lines(
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
-        drifts = "" if clipped else _drifts(samples, rows, unit, width_Hz)
         reason = clipped or drifts or "no line stands out of the noise"
         if count < _FEWEST:
             reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
@@ -121,7 +122,7 @@ def spectral_lines(
         )
         for each in rows[:_LISTED]
     )
-    slower = _slower(samples, unit, rows[0]) or _drifts(samples, rows, unit, width_Hz)
+    slower = _slower(samples, unit, rows[0]) or drifts
     reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1], unit))
     source = "noise around the line and resolution, and what else its shape allows"
     of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
@@ -162,10 +163,12 @@ def spectral_lines(
 def sinusoids_of(samples: Floats) -> list[Line]:
     """Return the ten largest sinusoids of uniformly sampled values, shape (n,), the largest first; none of
     fewer than 64. Places are in bins of the whole record."""
+    return [] if len(samples) < _FEWEST else _sinusoids(samples, _windowed(samples))
+
+
+def _sinusoids(samples: Floats, bins: Complexes) -> list[Line]:
+    """Return them by the bins of the samples under a Hann window."""
     count = len(samples)
-    if count < _FEWEST:
-        return []
-    bins = _windowed(samples)
     size, step = np.abs(bins), resolution(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
@@ -200,10 +203,10 @@ def _slower(samples: Floats, unit: str, largest: Line) -> str:
     return f"a line slower than {_LOWEST_BIN} periods in the record may be larger, {least}: record longer"
 
 
-def _drifts(samples: Floats, rows: Sequence[Line], unit: str, width_Hz: float) -> str:
-    """Return why the first of the `rows`, the lines that stand out of samples, shape (n,), is perhaps not the
-    largest: another one drifts over many bins, and is none of them."""
-    line = drifting_line(_windowed(samples), _LOWEST_BIN)
+def _drifts(bins: Complexes, rows: Sequence[Line], unit: str, width_Hz: float) -> str:
+    """Return why the first of the `rows`, the lines that stand out of the noise, is perhaps not the largest:
+    another one drifts over many bins, and is none of them."""
+    line = drifting_line(bins, _LOWEST_BIN)
     if line is None or (rows and line.amplitude < _NEARLY * rows[0].amplitude):
         return ""
     within = [each.amplitude for each in rows if abs(each.place - line.place) < line.reach]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import CoherentSamples, spectrum_of
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 from benchtool.analysis.noise.noise_of_lines import line_noise
 from benchtool.analysis.orders.angle import TURN
 from benchtool.analysis.orders.slow_course import Turns
@@ -75,9 +75,9 @@ def _courses_of(
 
 def without_courses(
     coherent: CoherentSamples, highest_order: int, in_time: PeriodsInTime
-) -> tuple[CoherentSamples, dict[int, OrderCourse]]:
-    """Return samples over whole revolutions in which the mean and the amplitudes of orders are steady, each
-    at the level of its course, and those courses by order, that of the mean as of order 0.
+) -> tuple[CoherentSpectrum, dict[int, OrderCourse]]:
+    """Return the spectrum of samples over whole revolutions in which the mean and the amplitudes of orders
+    are steady, each at the level of its course, and those courses by order, that of the mean as of order 0.
 
     A course has sidebands beside its order, which are not what that is uncertain by, and their tails are in
     the other orders.
@@ -88,7 +88,10 @@ def without_courses(
     lines = orders * spectrum.periods
     noise = line_noise(spectrum, lines)
     moving = orders[noise.wanders & (spectrum.amplitude[lines] > _STANDS_OUT * noise.in_phase)]
-    return _without_courses(coherent, moving.tolist(), in_time) if len(moving) else (steady, courses)
+    if not len(moving):
+        return spectrum, courses
+    steady, courses = _without_courses(coherent, moving.tolist(), in_time)
+    return spectrum_of(steady), courses
 
 
 def _without_courses(

@@ -14,7 +14,6 @@ from benchtool.analysis.coherent.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     coherent_samples_of_all,
-    spectrum_of,
 )
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis
@@ -236,8 +235,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     samples, track, wobble = block.column(channel), along.track, along.wobble
     coherent = along.samples[channel]
     in_time = PeriodsInTime.of(coherent, track.turns_from(FIRST_ROW), FIRST_ROW)
-    steady, courses = without_courses(coherent, HIGHEST_ORDER, in_time)
-    spectrum = spectrum_of(steady)
+    spectrum, courses = without_courses(coherent, HIGHEST_ORDER, in_time)
     turns = spectrum.periods
     count = min(HIGHEST_ORDER, (len(spectrum.amplitude) - 1) // turns)
     orders = np.arange(1, count + 1)
