@@ -128,6 +128,10 @@ def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
     )
 
 
+_NO_BASE: Final = (
+    "undefined where |mean| is less than five of its standard uncertainties, half of pp where these are not "
+    "known, or 2 % of pp"
+)
 _NUMBERS: Final = (
     (
         ("mean",),
@@ -187,8 +191,8 @@ _NUMBERS: Final = (
         "in U a whole step; u(mean)^2 as for the rms; none of fewer than four periods, or of "
         "values that are held and fewer than 18 in a period",
     ),
-    (("ripple_percent_of_mean",), "%", "100 pp / |mean|", "those of pp and mean"),
-    (("ripple_rms_percent_of_mean",), "%", "100 rms / |mean|", "those of rms and mean"),
+    (("ripple_percent_of_mean",), "%", f"100 pp / |mean|; {_NO_BASE}", "those of pp and mean"),
+    (("ripple_rms_percent_of_mean",), "%", f"100 rms / |mean|; {_NO_BASE}", "those of rms and mean"),
     (("ripple_percent_of_rated",), "%", "100 pp / T_N", "that of pp"),
     (("ripple_rms_percent_of_rated",), "%", "100 rms / T_N", "that of rms"),
 )

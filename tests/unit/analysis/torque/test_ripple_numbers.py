@@ -53,6 +53,17 @@ def numbers(samples: Array, phase: PhaseTrack | None = None) -> dict[str, Measur
     return {each.name: each for each in torque_ripple(block(samples), torque_rated_Nm=2.0, track=phase)}
 
 
+@pytest.mark.parametrize("mean", [0.3, -0.3])
+def test_a_mean_without_an_uncertainty_is_no_base_where_the_ripple_reaches_zero(mean: float) -> None:
+    ripple = 0.5 * np.sin(angle(600))
+    of_zero, of_more = numbers(mean + ripple), numbers(2.0 * mean + ripple)
+    for name in ("torque_ripple_percent_of_mean", "torque_ripple_rms_percent_of_mean"):
+        assert math.isnan(of_zero[name].value)
+        assert "less than half of its ripple of 1 Nm peak to peak" in of_zero[name].reason
+        assert of_more[name].value > 0.0
+    assert numbers(mean + 0.5 * np.sin(angle(5000)), track(5000))["torque_ripple_percent_of_mean"].value > 0.0
+
+
 def test_a_sampled_triangle_reads_its_closed_form() -> None:
     # 40 samples a period that hit both peaks: values -10 ... 10 in steps of one, each but the ends twice
     one = np.abs(np.arange(40) - 20.0) - 10.0
