@@ -113,7 +113,7 @@ class Measurement:
         width = own.half_width
         if width is not None:
             width = math.hypot(width, coverage_factor(further.dof) * further.standard)
-        return combined((*own.lines, further), own.source, half_width=width)
+        return combined((*own.budget, further), own.source, half_width=width)
 
     @classmethod
     def undefined(

@@ -103,9 +103,9 @@ class Uncertainty:
     """Combined standard uncertainty of a result, in its unit (JCGM 100:2008, 2.3.1 and 2.3.4).
 
     `source` states what it was estimated from, and thus what it does not contain. `dof` are the effective
-    degrees of freedom, `budget` the contributions; a budget of one line may be left out. `half_width` is half
-    of the interval that covers 95 % where a derived distribution gives one; it is then the expanded
-    uncertainty in place of a multiple from Student's distribution.
+    degrees of freedom, `budget` the contributions: where it is left out, the one of type A that the source
+    says. `half_width` is half of the interval that covers 95 % where a derived distribution gives one; it is
+    then the expanded uncertainty in place of a multiple from Student's distribution.
     """
 
     standard: float
@@ -113,6 +113,11 @@ class Uncertainty:
     dof: float = math.inf
     budget: tuple[Contribution, ...] = ()
     half_width: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.budget:
+            alone = Contribution(self.source, "A", self.standard, self.dof)
+            object.__setattr__(self, "budget", (alone,))
 
     @property
     def expanded(self) -> float:
@@ -155,11 +160,6 @@ class Uncertainty:
         width = None if self.half_width is None else size * self.half_width
         return Uncertainty(size * self.standard, source or self.source, self.dof, budget, width)
 
-    @property
-    def lines(self) -> tuple[Contribution, ...]:
-        """The budget, of one line where it was left out."""
-        return self.budget or (Contribution(self.source, "A", self.standard, self.dof),)
-
     def line(self, name: str, factor: float = 1.0) -> Contribution:
         """Return the one line of another budget, `name`, in which this result counts `factor` times.
 
@@ -184,7 +184,7 @@ class Uncertainty:
         if not errors:
             return self
         added = math.hypot(*(each.standard for each in errors))
-        return self._with(self.standard**2 + added**2, added, (*self.lines, *errors))
+        return self._with(self.standard**2 + added**2, added, (*self.budget, *errors))
 
     def without(self, errors: Sequence[Contribution]) -> Uncertainty:
         """That which is left without some lines of the budget, of infinite degrees of freedom."""
@@ -200,7 +200,7 @@ class Uncertainty:
         if not added:
             return self
         power2 = sum(each.standard**2 for each in added)
-        found = replace(self, half_width=None)._with(self.standard**2 + power2, 0.0, (*self.lines, *added))
+        found = replace(self, half_width=None)._with(self.standard**2 + power2, 0.0, (*self.budget, *added))
         return replace(found, half_width=math.hypot(self.expanded, math.sqrt(power2)))
 
     def without_power(self) -> Uncertainty:
@@ -235,8 +235,7 @@ class Uncertainty:
         }
         if self.half_width is not None:
             document["half_width"] = _finite(self.half_width)
-        if self.budget:
-            document["budget"] = [each.to_json() for each in self.budget]
+        document["budget"] = [each.to_json() for each in self.budget]
         return document
 
 
@@ -307,7 +306,7 @@ def of_difference(
         math.hypot(one.standard, two.standard),
         "both values",
         _effective(1.0, fourth),
-        (*one.lines, *two.lines),
+        (*one.budget, *two.budget),
         half_width=math.hypot(one.expanded, two.expanded) if derived else None,
     )
 

@@ -196,7 +196,7 @@ class _Group:
 
 def _lines(each: Measurement) -> tuple[Contribution, ...]:
     """Return what is known of the errors of one repetition, of its sensors where its data tell nothing."""
-    return each.of_sensors if each.uncertainty is None else each.uncertainty.lines
+    return each.of_sensors if each.uncertainty is None else each.uncertainty.budget
 
 
 def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:

@@ -33,6 +33,7 @@ from benchtool.analysis.steps.passages import (
     rising,
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
+from benchtool.analysis.steps.settled_course import SettledCourse
 from benchtool.analysis.steps.smoothing import Noise, UnevenNoise, fitted_smoothers
 from benchtool.analysis.steps.tops import Top, kink, of_three, parabola, quartic
 from benchtool.analysis.steps.tops_on_levels import (
@@ -276,7 +277,8 @@ class NoisyCurve:
         top = int(np.argmax(self.values))
         smoothed = self.beside is not None and bool(self.beside[top] > 0.0)
         if not smoothed and is_on_level(self.values, top):
-            return Instant(*middle_of_level(self.values, top))
+            middle, standard = middle_of_level(self.values, top)
+            return Instant(middle, standard, of_rows=standard)
         vertex = self._vertex(top, kinked=True)
         place = top + vertex.beside
         # of a draw the parabola stands for a kink too: what both differ by is no noise
@@ -288,7 +290,8 @@ class NoisyCurve:
         tops = np.argmax(drawn, axis=1) if len(drawn) else np.empty(0, dtype=np.int64)
         moved = [at + parabola(each, int(at)).beside - smooth for each, at in zip(drawn, tops, strict=True)]
         of_noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
-        return Instant(place, math.hypot(of_noise, vertex.beside_within / math.sqrt(3.0)))
+        of_rows = vertex.beside_within / math.sqrt(3.0)
+        return Instant(place, math.hypot(of_noise, of_rows), of_rows=of_rows)
 
     def greatest_elsewhere(self, reach: int) -> float:
         """Return the rms distance of the greatest value where noise puts it further away than so many rows,
@@ -355,9 +358,9 @@ class NoisyCurve:
         if len(moved) < LEAST_DEFINED * len(self.errors):
             return Instant(last.place - first.place, math.inf)
         noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
-        return Instant(last.place - first.place, math.hypot(noise, wide))
+        return Instant(last.place - first.place, math.hypot(noise, wide), of_rows=wide)
 
-    def last_outside(self, level: float, band: float) -> Instant | None:
+    def last_outside(self, level: float, band: float, since: int = 0) -> Instant | None:
         """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends
         outside.
 
@@ -366,6 +369,8 @@ class NoisyCurve:
         enters after as many rows as are outside. That noise alone may make the last lobe leave the band, or
         keeps it within, is in the uncertainty.
         """
+        if len(self.errors) and not self.is_on_levels:
+            return self._settled(self.values - level, band, since)
         found = last_passage(self.values, level, band)
         if found is None:
             return None
@@ -375,15 +380,25 @@ class NoisyCurve:
         is_either = self.is_on_levels and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
         instant = Passage(most, found.reach, places).instant
-        if len(errors) and not self.is_on_levels:
-            away = self.values - level
-            of_lobes = rms_beyond_lobes(away, errors, self.standard, band, most, places)
-            return replace(instant, standard=math.hypot(instant.standard, of_lobes))
         last = math.ceil(most) - 1
         if not self.is_on_levels or not 0 <= last < len(self.values) - 1:
             return instant
         again, rows = read_back(self.values, last)  # by noise that rows at rest do not show
-        return Instant(instant.place - again, math.hypot(instant.standard, rows / math.sqrt(12.0)))
+        standard = math.hypot(instant.standard, rows / math.sqrt(12.0))
+        return replace(instant, place=instant.place - again, standard=standard)
+
+    def _settled(self, away: Floats, band: float, since: int) -> Instant | None:
+        """Return `last_outside` of a curve so far `away` from its level, shape (n,), that noise moves."""
+        settled = SettledCourse.of(away, self.errors, band, since)
+        course = settled.without_noise(away)
+        found = last_passage(course, 0.0, band)
+        if found is None:
+            return None
+        drawn = (last_passage(settled.without_noise(course + each), 0.0, band) for each in self.errors)
+        places = np.array([math.nan if each is None else each.place for each in drawn])
+        instant = Passage(found.place, found.reach, places).instant
+        of_lobes = rms_beyond_lobes(course, self.errors, self.standard, band, found.place, places)
+        return replace(instant, standard=math.hypot(instant.standard, of_lobes))
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

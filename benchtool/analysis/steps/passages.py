@@ -28,19 +28,29 @@ SEED = 20_110_301
 class Instant:
     """Place, in samples from the first, at which a curve passes a level, and its standard uncertainty.
 
-    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all. `drawn`,
-    shape (draws,), are the places that noise may make of it, nan where none; empty without noise.
+    `standard` is infinite where, because of noise, it is unknown whether the level is passed at all;
+    `of_rows` is what of it the samples leave open, which noise does not make. `drawn`, shape (draws,), are
+    the places that noise may make of it, nan where none; empty without noise.
     """
 
     place: float
     standard: float
     drawn: tuple[float, ...] = ()
+    of_rows: float = 0.0
+
+    @property
+    def of_noise(self) -> float:
+        """Standard uncertainty without what the samples leave open."""
+        return math.sqrt(max(0.0, self.standard**2 - self.of_rows**2))
 
     def widened(self, standard: float) -> Instant:
-        """Return the instant with another contribution, evenly distributed, to its uncertainty."""
+        """Return the instant with another contribution of the samples, evenly distributed, to its
+        uncertainty."""
         within = math.sqrt(3.0) * standard
         moved = np.random.default_rng(SEED).uniform(-within, within, len(self.drawn))
-        return Instant(self.place, math.hypot(self.standard, standard), tuple((moved + self.drawn).tolist()))
+        drawn = tuple((moved + self.drawn).tolist())
+        wider, of_rows = math.hypot(self.standard, standard), math.hypot(self.of_rows, standard)
+        return Instant(self.place, wider, drawn, of_rows)
 
 
 @dataclass(frozen=True)

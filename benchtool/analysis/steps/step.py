@@ -31,7 +31,7 @@ from benchtool.analysis.steps.step_drift import find_drift, wanders
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
 from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -133,7 +133,7 @@ def _undefined(each: Measurement, reason: str) -> Measurement:
 def _measurements(step: Step, curve: NoisyCurve, band: float, drift: Slope | None) -> Iterator[Measurement]:
     arrival = curve.passage(step.greatest - _ARRIVED * step.height, step.greatest_error)
     arrived = None if arrival is None else arrival.instant
-    settled = curve.last_outside(step.final, band)
+    settled = curve.last_outside(step.final, band, step.fall)
     yield from _times(step, curve, arrived)
     settling = _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
     yield _resting_on(settling, band=band)
@@ -156,7 +156,7 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     before = len(step.y_before)
     curve = NoisyCurve.through(step.y_clear, step.y_noise, before, step.of_plateau)
     band = _band(step, curve)
-    settled = curve.last_outside(step.final, band)
+    settled = curve.last_outside(step.final, band, step.fall)
     if settled is None or not math.isfinite(settled.standard):
         return curve, step.y_clear[len(step.y) // 2 :]
     at_rest = step.y_clear[_rest(step, curve, settled, band) :]
@@ -211,63 +211,75 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
 
 
 def _time(step: Step, name: str, definition: str, found: Instant | None, reason: str) -> Measurement:
-    """Return a time from the step to an instant."""
-    if found is not None:
-        since = found.place - step.zero + step.earlier
-        found = _after(since, math.hypot(found.standard, step.earlier))
-    of_step = ", and when since the row before its own the step was made" if step.earlier else ""
-    return _interval(step, name, definition, found, reason, of_step)
-
-
-def _after(since: float, standard: float) -> Instant:
-    """Return a time since a step, which is not negative: the median of the part of its distribution that is
-    possible, with its rms deviation from that."""
-    if not math.isfinite(standard):
-        return Instant(max(0.0, since), standard)
-    return Instant(*above_zero(since, standard))
+    """Return a time from the step to an instant, which is not negative: the median of the part of its
+    distribution that is possible, with its rms deviation from that."""
+    if found is None or not math.isfinite(found.standard):
+        return _interval(step, name, definition, found, reason)
+    since = found.place - step.zero + step.earlier
+    place, standard = above_zero(since, math.hypot(found.standard, step.earlier))
+    of_step = Contribution("when since the row before its own the step was made", "B", step.earlier)
+    return _interval(step, name, definition, replace(found, place=place), reason, (of_step,), standard)
 
 
 def _interval(
-    step: Step, name: str, definition: str, found: Instant | None, reason: str, of_step: str = ""
+    step: Step,
+    name: str,
+    definition: str,
+    found: Instant | None,
+    reason: str,
+    further: tuple[Contribution, ...] = (),
+    standard: float | None = None,
 ) -> Measurement:
-    """Return a time between two instants, in whose uncertainty is what `of_step` says besides."""
+    """Return a time between two instants, with `further` contributions to its uncertainty, in rows, of which
+    the part that is possible is of this `standard` uncertainty."""
     if found is not None and not math.isfinite(found.standard):
         found, reason = None, UNDECIDED
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
-    source = f"noise of the smoothed signal over its slope, where between two samples it may be{of_step}"
-    uncertainty = Uncertainty(found.standard * step.period_s, source)
+    of_noise = Contribution("noise of the smoothed signal over its slope", "A", found.of_noise)
+    of_rows = Contribution("where between two samples it may be, what windows do to it", "B", found.of_rows)
+    uncertainty = _possible((of_noise, of_rows, *further), standard).scaled(step.period_s)
     return Measurement(name, found.place * step.period_s, "s", definition, step.basis, uncertainty)
 
 
+def _possible(lines: Iterable[Contribution], standard: float | None) -> Uncertainty:
+    """Return the uncertainty by these contributions, in proportion as small as what is possible leaves it."""
+    budget = [each for each in lines if each.standard > 0.0]
+    whole = math.hypot(*(each.standard for each in budget))
+    share = standard / whole if standard is not None and whole > 0.0 else 1.0
+    found = combined_by_names(each.scaled(share) for each in budget)
+    assert found is not None, "of lines that are greater than zero"
+    return found
+
+
 def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
-    source = (
-        "noise of the smoothed signal, by a parametric bootstrap, its course between samples, what windows "
-        "do to it, and noise of the reference"
-    )
     greatest, of_curve = curve.greatest(kinked=True)
-    peak = None
+    peak, of_windows = None, 0.0
     if greatest - step.greatest > _EXTREME * math.hypot(of_curve, step.greatest_error):
         lower, later = curve.blunted()
-        greatest, of_curve = greatest + _BLUNTED * lower, math.hypot(of_curve, _OF_BLUNTED * lower)
+        greatest, of_windows = greatest + _BLUNTED * lower, _OF_BLUNTED * abs(lower)
         peak = curve.place_of_greatest()
-        standard = math.hypot(peak.standard, _OF_BLUNTED * later)
-        peak = Instant(peak.place - _BLUNTED * later, standard)
+        of_rows, wider = (math.hypot(each, _OF_BLUNTED * later) for each in (peak.of_rows, peak.standard))
+        peak = Instant(peak.place - _BLUNTED * later, wider, of_rows=of_rows)
         top = int(np.argmax(curve.values))
         corner = corner_near(step.y_clear, step.plateau_noise, top, step.converter_step)
         if corner is not None:
             height = corner.height, corner.height_error
-            greatest, of_curve = corner.averaged((greatest, of_curve), height)
+            of_both = math.hypot(of_curve, of_windows)
+            greatest, of_curve = corner.averaged((greatest, of_both), height)
+            of_windows = min(of_windows, of_curve)
+            of_curve = math.sqrt(of_curve**2 - of_windows**2)
             # whichever this one is, noise may have made another the greatest
             place = corner.place, math.hypot(corner.place_error, curve.greatest_elsewhere(corner.reach))
-            peak = Instant(*corner.averaged((peak.place, peak.standard), place))
+            at, wider = corner.averaged((peak.place, peak.standard), place)
+            peak = Instant(at, wider, of_rows=min(peak.of_rows, wider))
     text = "greatest value of the smoothed signal beyond the greatest reference"
-    error = math.hypot(of_curve, step.greatest_error)
-    beyond, of_overshoot = _at_least_zero(step, greatest - step.greatest, error)
-    yield step.number("overshoot", text, beyond, Uncertainty(of_overshoot, source))
+    errors = _errors(of_curve, of_windows, step.greatest_error)
+    beyond, uncertain = _at_least_zero(step, greatest - step.greatest, errors)
+    yield step.number("overshoot", text, beyond, uncertain)
     percent = 100.0 / step.height
     text = "100 x overshoot / height of the step of the reference"
-    relative = Uncertainty(percent * of_overshoot, source)
+    relative = uncertain.scaled(percent)
     yield Measurement("overshoot_percent", percent * beyond, "%", text, step.basis, relative)
 
     text = "from the step to the greatest value of the smoothed signal"
@@ -280,18 +292,28 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         yield Measurement.undefined(name, step.unit, text, "98% of the step is not reached", step.basis)
         return
     lowest, of_curve = curve.least_after_greatest()
+    of_windows = 0.0
     if step.final - lowest > _SHOWN * math.hypot(of_curve, step.final_error):
         raised, _ = curve.since(int(np.argmax(curve.values))).against(-1.0).blunted()
-        lowest, of_curve = lowest - _BLUNTED * raised, math.hypot(of_curve, _OF_BLUNTED * raised)
-    error = math.hypot(of_curve, step.final_error)
-    short, standard = _at_least_zero(step, step.final - lowest, error)
-    yield step.number(name, text, short, Uncertainty(standard, source))
+        lowest, of_windows = lowest - _BLUNTED * raised, _OF_BLUNTED * abs(raised)
+    errors = _errors(of_curve, of_windows, step.final_error)
+    yield step.number(name, text, *_at_least_zero(step, step.final - lowest, errors))
 
 
-def _at_least_zero(step: Step, found: float, standard: float) -> tuple[float, float]:
-    """Return the best estimate of what cannot be negative, and its standard uncertainty."""
-    value, standard = above_zero(found, standard)
-    return value if value > _ROUNDING * step.height else 0.0, standard
+def _errors(of_curve: float, of_windows: float, of_reference: float) -> tuple[Contribution, ...]:
+    """Return the contributions to the uncertainty of an excursion beyond the reference."""
+    of_noise = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
+    return (
+        Contribution(of_noise, "A", of_curve),
+        Contribution("what windows do to it", "B", of_windows),
+        Contribution("noise of the reference", "A", of_reference),
+    )
+
+
+def _at_least_zero(step: Step, found: float, errors: tuple[Contribution, ...]) -> tuple[float, Uncertainty]:
+    """Return the best estimate of what cannot be negative, and its uncertainty."""
+    value, standard = above_zero(found, math.hypot(*(each.standard for each in errors)))
+    return value if value > _ROUNDING * step.height else 0.0, _possible(errors, standard)
 
 
 class StepSettings(Section):

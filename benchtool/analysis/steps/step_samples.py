@@ -135,7 +135,7 @@ def _arrived(
     if step.shown_late:  # the sample before the instant is shown for any part of the time after it
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
-        since = Instant(since.place - late, since.standard, drawn).widened(late)
+        since = replace(since, place=since.place - late, drawn=drawn).widened(late)
     seen = None if drift is None else drift.seen_from(step.sign)
     last = round(TAIL * len(step.y))
     beside = (step.y_before, *([step.y_clear[-last:]] if len(values) <= len(step.y) - last else []))

@@ -16,15 +16,15 @@ _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to 
 def no_base(mean: Measurement, peak_to_peak: float, name: str) -> str:
     """Return why no percentage of the mean is given; empty if the mean is far enough from zero.
 
-    Where the uncertainty of the mean is unknown, a mean from which the ripple reaches zero may be zero itself.
+    A mean of unknown uncertainty may be zero where the ripple about it reaches zero.
     """
     size = abs(mean.value)
     if size <= _SMALLEST_MEAN * peak_to_peak:
         return f"the mean {name} is zero, or less than {100 * _SMALLEST_MEAN:g} % of its ripple"
     if mean.uncertainty is None and size <= 0.5 * peak_to_peak:
         return (
-            f"the mean {name} of {mean.value:.3g} {mean.unit} has no uncertainty and is less than half of its "
-            f"ripple of {peak_to_peak:.3g} {mean.unit} peak to peak, so that it may be zero"
+            f"the mean {name} of {mean.value:.3g} {mean.unit} has no uncertainty and is less than half of "
+            f"its ripple of {peak_to_peak:.3g} {mean.unit} peak to peak, so that it may be zero"
         )
     if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
         return (

@@ -24,7 +24,7 @@ def draws(uncertainty: Uncertainty, value: float, seed: int = 5) -> Floats:
     """True values by the distributions of the budget, each drawn by itself: Student's for few values."""
     random = np.random.default_rng(seed)
     true = np.full(TRIALS, value)
-    for line in uncertainty.lines:
+    for line in uncertainty.budget:
         if math.isfinite(line.dof):
             true += line.experimental * random.standard_t(line.dof, TRIALS)
         else:

@@ -268,7 +268,7 @@ def test_the_frequency_of_a_line_is_as_uncertain_as_the_rate() -> None:
     assert ticks.measurements[0].uncertainty.standard < 0.01
     assert stamps.measurements[0].uncertainty is not None
     assert math.isclose(stamps.measurements[0].uncertainty.standard, 2.403, rel_tol=1e-3)
-    assert [each.name for each in stamps.measurements[0].uncertainty.lines][-1] == "sample rate"
+    assert [each.name for each in stamps.measurements[0].uncertainty.budget][-1] == "sample rate"
     assert stamps.measurements[1].uncertainty == ticks.measurements[1].uncertainty
     np.testing.assert_allclose([row[2] for row in stamps.tables[0].rows], [2.403, 1.2], rtol=1e-3)
 

@@ -135,7 +135,7 @@ def test_a_resolution_is_in_currents_and_their_harmonics() -> None:
     # two steps to either side: some percent, as of a three-level sine
     assert 0.005 < uncertainty_of(amplitude).standard < 0.1
     assert 1.0 < uncertainty_of(thd).standard < 20.0
-    assert len(uncertainty_of(frequency).lines) == 1
+    assert len(uncertainty_of(frequency).budget) == 1
 
 
 # --- measured again -------------------------------------------------------------------------------------

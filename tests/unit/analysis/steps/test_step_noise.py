@@ -50,6 +50,22 @@ def _errors(y: NDArray[np.float64], r: NDArray[np.float64], name: str, truth: fl
     return found.value - truth, found.uncertainty.standard
 
 
+def test_every_uncertainty_is_the_root_sum_square_of_a_budget_of_both_types() -> None:
+    y, r = _noisy(1.0, 0.01, rows=1500)
+    response = analyze_step(_block(y, r), "torque", "torque_reference")
+    types = {}
+    for name, entry in response.to_json().items():
+        uncertainty = entry.get("uncertainty")
+        if uncertainty is None:
+            continue
+        lines = uncertainty["budget"]
+        assert math.hypot(*(line["standard"] for line in lines)) == pytest.approx(uncertainty["standard"])
+        types[name] = {line["evaluation"] for line in lines}
+    for name in ("step_latency", "reach_time", "settling_time"):
+        assert types[name] == {"A", "B"}, name  # noise, and where between two rows step and passage are
+    assert len(types) >= 10
+
+
 def test_too_few_samples_at_rest_show_no_noise_and_give_no_numbers() -> None:
     y, r = _noisy(1.0, 0.01, rows=200)
     for name in ("settling_time", "undershoot", "plateau_mean"):

@@ -1,0 +1,73 @@
+"""The course by which a noisy curve settles, without what noise alone makes of it at rest.
+
+A draw about a noisy curve has the noise twice: at rest it leaves a band far more often than noise does once.
+Once the curve is in the band for good it is therefore taken to fall towards its level and nowhere to rise
+again, as far as it is within the noise of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_SURE = 2.0  # standard deviations beyond the band, or within it, for no lobe to be made or hidden by noise
+_AS_LONG = 2.0  # times as long as until then: what rings has its next lobe sooner
+_OF_NOISE = 0.95  # of the draws whose greatest deviation is less: what noise alone makes of many rows
+
+
+@dataclass(frozen=True)
+class SettledCourse:
+    """How a curve settles within `band` of a level, from row `last` on, where it was surely beyond.
+
+    `standard`, shape (n,), is the standard uncertainty of the curve; it is `sign` times above the level in that row.
+    Until row `soon` it may still ring: `most_soon` standard deviations are what noise makes there, and
+    `most_late` afterwards.
+    """
+
+    band: float
+    standard: Floats
+    last: int
+    soon: int
+    sign: float
+    most_soon: float
+    most_late: float
+
+    @classmethod
+    def of(cls, away: Floats, errors: Floats, band: float, since: int) -> SettledCourse:
+        """Return that of a curve so far `away` from the level, shape (n,), of which noise makes these `errors`,
+        shape (draws, n), after a step or fall in the row `since`."""
+        standard = np.std(errors, axis=0)
+        beyond = np.flatnonzero(np.abs(away) >= band + _SURE * standard)
+        last = int(beyond[-1]) if len(beyond) else 0
+        soon = min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))
+        relative = np.abs(errors) / np.maximum(standard, np.finfo(np.float64).tiny)
+
+        def most(rows: slice) -> float:
+            if rows.start >= rows.stop:
+                return _SURE
+            return max(_SURE, float(np.quantile(np.max(relative[:, rows], axis=1), _OF_NOISE)))
+
+        sign = -1.0 if away[last] < 0.0 else 1.0
+        return cls(band, standard, last, soon, sign, most(slice(last, soon)), most(slice(soon, len(away))))
+
+    def without_noise(self, away: Floats) -> Floats:
+        """Return a course `away` from the level, shape (n,), where it is at rest without the noise: as the
+        least-squares one that rises nowhere (isotonic regression: Barlow et al., Statistical Inference under
+        Order Restrictions, 1972, 1.2).
+
+        What noise does not make of that stays. So does a lobe on the other side of the level while it may
+        ring, unless it is surely within the band.
+        """
+        from scipy import optimize  # takes longer than all else here
+
+        rest, standard = self.sign * away[self.last :], self.standard[self.last :]
+        falls = optimize.isotonic_regression(rest, increasing=False).x
+        is_soon = np.arange(self.last, len(away)) < self.soon
+        noise = np.where(is_soon, self.most_soon, self.most_late) * standard
+        is_lobe = is_soon & (rest < _SURE * standard - self.band)
+        course = np.where((np.abs(falls - rest) <= noise) & ~is_lobe, falls, rest)
+        return np.concatenate([away[: self.last], self.sign * course])

@@ -1,0 +1,73 @@
+"""A curve at rest: what noise makes of it there does not put off when it settled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from benchtool.analysis.steps.noisy_curve import NoisyCurve
+from benchtool.analysis.steps.settled_course import SettledCourse
+
+ROWS = np.arange(1200.0)
+BAND = 5.0  # standard deviations of the noise
+DRAWS = 80
+
+
+def noise(random: np.random.Generator, count: int) -> NDArray[np.float64]:
+    """Return smooth noise of standard deviation 1, shape (count, rows)."""
+    drawn = gaussian_filter1d(random.standard_normal((count, len(ROWS) + 200)), 15.0, axis=1)[:, 100:-100]
+    return np.asarray(drawn / np.std(drawn))
+
+
+def settled(away: NDArray[np.float64], seed: int = 0) -> SettledCourse:
+    return SettledCourse.of(away, noise(np.random.default_rng(seed), DRAWS), BAND, 0)
+
+
+def test_a_settling_time_is_as_uncertain_as_its_errors_where_noise_at_rest_nears_the_band() -> None:
+    random = np.random.default_rng(5)
+    lag = -100.0 * np.exp(-ROWS / 40.0)
+    true = 40.0 * np.log(100.0 / BAND)
+    errors, stated = [], []
+    for _ in range(60):
+        found = NoisyCurve(lag + noise(random, 1)[0], noise(random, DRAWS)).last_outside(0.0, BAND)
+        assert found is not None
+        errors.append(found.place - true)
+        stated.append(found.standard)
+    relative = np.divide(errors, stated)
+    assert 0.7 < np.sqrt(np.mean(relative**2)) < 1.4
+    assert np.mean(np.abs(relative) < 2.0) >= 0.9
+    # noise of 1 over the slope of 5 / 40 a row is 8 rows; draws that have noise at rest twice made it 77
+    assert 6.0 < np.median(stated) < 11.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_noise_at_rest_is_left_out_and_a_fall_that_is_slow_is_not(sign: float) -> None:
+    lag = sign * 100.0 * np.exp(-ROWS / 40.0)
+    of_noise = noise(np.random.default_rng(1), 1)[0]
+    course = settled(lag).without_noise(lag + of_noise)
+    assert np.std(course[400:]) < 0.5
+    slow = lag + sign * 8.0 * np.exp(-ROWS / 500.0)
+    course = settled(slow).without_noise(slow)
+    assert np.allclose(course, slow)
+
+
+def test_what_noise_does_not_make_stays() -> None:
+    lag = 100.0 * np.exp(-ROWS / 40.0)
+    bump = 6.0 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
+    for of_one_side in (bump, -bump):
+        away = lag + of_one_side
+        found = NoisyCurve(away, noise(np.random.default_rng(2), DRAWS)).last_outside(0.0, BAND)
+        assert found is not None
+        assert found.place > 880.0
+
+
+def test_a_lobe_that_may_ring_stays_where_noise_may_hide_how_far_it_goes() -> None:
+    lag = 100.0 * np.exp(-ROWS / 40.0)
+    lobe = -3.5 * np.exp(-0.5 * ((ROWS - 200.0) / 20.0) ** 2)
+    later = -2.5 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
+    away = np.where(ROWS < 160, lag, 0.0) + lobe + later
+    course = settled(away).without_noise(away)
+    assert np.min(course[:400]) == pytest.approx(-3.5, abs=0.01)  # 1.5 standard deviations within the band
+    assert np.min(course[600:]) > -0.5
