@@ -23,9 +23,9 @@ _OF_NOISE = 0.95  # of the draws whose greatest deviation is less: what noise al
 class SettledCourse:
     """How a curve settles within `band` of a level, from row `last` on, where it was surely beyond.
 
-    `standard`, shape (n,), is the standard uncertainty of the curve; it is `sign` times above the level in that row.
-    Until row `soon` it may still ring: `most_soon` standard deviations are what noise makes there, and
-    `most_late` afterwards.
+    `standard`, shape (n,), is the standard uncertainty of the curve; in that row it is above the level times
+    `sign`. Until row `soon` it may still ring: `most_soon` standard deviations are what noise makes there,
+    and `most_late` afterwards.
     """
 
     band: float
@@ -38,8 +38,8 @@ class SettledCourse:
 
     @classmethod
     def of(cls, away: Floats, errors: Floats, band: float, since: int) -> SettledCourse:
-        """Return that of a curve so far `away` from the level, shape (n,), of which noise makes these `errors`,
-        shape (draws, n), after a step or fall in the row `since`."""
+        """Return that of a curve so far `away` from the level, shape (n,), of which noise makes these
+        `errors`, shape (draws, n), after a step or fall in the row `since`."""
         standard = np.std(errors, axis=0)
         beyond = np.flatnonzero(np.abs(away) >= band + _SURE * standard)
         last = int(beyond[-1]) if len(beyond) else 0
