@@ -54,6 +54,7 @@ Floats = NDArray[np.float64]
 
 _BY_CHANCE = 0.1
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
+_DITHERS = 0.25  # of a step: the least amplitude of a tone that moves the signal from step to step
 _MAY_BE_NOISE = 4.45  # times either part of the noise: by chance one magnitude in twenty thousand
 _OF_NOISE_ALONE = 0.75  # of its parts: noise reads up to 2.45 of them in 95 % of records (Rayleigh)
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
@@ -265,6 +266,8 @@ def _of_steps(
 
     A tone of the amplitude a moves the signal from step to step, and leaves J_0(2 pi a / step) of the errors
     (Widrow and Kollar, Quantization Noise, 2008, ch. 19), of which the rms is that of its crests over root 2.
+    A tone of less than a quarter of a step may be a line of these errors, as there are where several periods
+    hold a whole number of samples: it moves nothing.
     """
     square = 0.0
     for part, samples, beside in zip(parts, columns, tones, strict=True):
@@ -274,8 +277,9 @@ def _of_steps(
         spectrum = spectrum_of(part)
         steps = converter_steps(spectrum, step, level=level_of(samples, step))
         along, power = repeated_quantisation(spectrum, steps)
-        turned = 2.0 * np.pi / step * np.abs([] if beside is None else beside.phasors)
-        left2 = float(np.prod(np.minimum(1.0, 1.0 / (np.pi * np.maximum(turned, 1e-9)))))
+        tones_A = np.abs([] if beside is None else beside.phasors)
+        turned = 2.0 * np.pi / step * tones_A[tones_A > _DITHERS * step]
+        left2 = float(np.prod(1.0 / (np.pi * turned)))
         square += left2 * max(float(along[0]) ** 2, 0.5 * float(power[0]))
     return math.sqrt(square) / len(parts)
 

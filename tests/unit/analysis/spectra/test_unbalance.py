@@ -118,6 +118,25 @@ def test_steps_of_converters_that_repeat_are_uncertain() -> None:
         assert 1e-3 * step < found[name] < 0.1 * step
 
 
+def test_lines_that_steps_make_where_several_periods_hold_whole_rows_move_nothing() -> None:
+    """Of 500 rows in three periods digits make lines at thirds of orders, which are no tones of the signal."""
+    random, digit = np.random.default_rng(8), 1e-4
+    relative = []
+    for _ in range(20):
+        theta = 2 * np.pi * 3 / 500 * np.arange(6_000) + random.uniform(0, 2 * np.pi)
+        size = 5.0 * random.uniform(0.9, 1.1)
+        columns = {
+            name: digit * np.round(size * np.cos(theta - turn) / digit)
+            for name, turn in (("i_a", 0.0), ("i_b", 2 * np.pi / 3), ("i_c", -2 * np.pi / 3))
+        }
+        block = Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+        found = {each.name: each for each in current_unbalance(block, track_tone(columns["i_a"], "i_a"))}
+        zero = found["current_sequence_zero"]
+        assert zero.uncertainty is not None
+        relative.append(zero.value / zero.uncertainty.standard)
+    assert 0.5 < float(np.sqrt(np.mean(np.square(relative)))) < 1.6
+
+
 def test_a_phase_that_wanders_from_period_to_period_moves_no_magnitude() -> None:
     """Five periods of a drive, on the track of an angle that is even."""
     random, per_period = np.random.default_rng(5), 400
