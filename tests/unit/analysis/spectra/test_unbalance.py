@@ -119,7 +119,7 @@ def test_steps_of_converters_that_repeat_are_uncertain() -> None:
 
 
 def test_lines_that_steps_make_where_several_periods_hold_whole_rows_move_nothing() -> None:
-    """Of 500 rows in three periods digits make lines at thirds of orders, which are no tones of the signal."""
+    """Of 500 rows in three periods digits make lines at thirds of orders: no tones of the signal."""
     random, digit = np.random.default_rng(8), 1e-4
     relative = []
     for _ in range(20):
