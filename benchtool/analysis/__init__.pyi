@@ -105,6 +105,7 @@ from .sensors.instruments import (
     Perturbed as Perturbed,
     sensor_remarks as sensor_remarks,
 )
+from .sensors.mean_reading import MeanReading as MeanReading
 from .spectra.current import (
     CurrentSpectrum as CurrentSpectrum,
     current_spectrum as current_spectrum,

@@ -1,4 +1,5 @@
-"""Noise of a value at rest, by where a converter reads it and how much its readings scatter.
+"""Noise of a value at rest, by where a converter reads it and how much its readings scatter, and what the
+steps leave in their mean under that.
 
 Of little noise the readings of a value in the middle between two levels scatter by half a step, and of one on
 a level not at all: their variance alone does not tell it.
@@ -20,6 +21,7 @@ _RMS = np.geomspace(0.01, 1.0, 80)  # of noise, in steps: of more a reading has 
 _PLACES = np.linspace(0.0, 1.0, 201)  # of the value, from a level to the next
 _LEVELS = np.arange(-6, 8)
 _WHOLE = 0.01  # of a step
+_TWO_LEVELS, _AS_LIKELY = 1.5, 24  # steps from the least to the greatest; sizes of noise
 
 
 def noise_of_readings(readings: Floats, step: float) -> float:
@@ -41,6 +43,23 @@ def noise_of_readings(readings: Floats, step: float) -> float:
     # of next to none the variance is that of two levels
     rises = np.maximum.accumulate(of_noise)
     return step * float(np.interp(variance, rises, _RMS, left=0.0))
+
+
+def error_of_mean(readings: Floats, step: float) -> float:
+    """Return the standard uncertainty that steps leave in the mean of `readings`, shape (n,), of a value at
+    rest that may be anywhere between two levels, under the noise that these show.
+
+    Readings of two levels alone are of a value near the edge between them, under noise of any rms up to that.
+    Their mean is off by what it is there; of more noise a value is as much more likely near an edge.
+    """
+    means, _ = _read()
+    off, noise = means - _PLACES, noise_of_readings(readings, step) / step
+    if float(np.ptp(readings)) > _TWO_LEVELS * step:
+        return step * float(np.interp(noise, _RMS, np.sqrt(np.mean(off**2, axis=1)), right=0.0))
+    level = float(np.mean(readings - readings[0])) / step
+    here = np.array([np.interp(level - math.floor(level), *each) for each in zip(means, off, strict=True)])
+    as_likely = noise * np.sqrt((np.arange(_AS_LIKELY) + 0.5) / _AS_LIKELY)
+    return step * float(np.sqrt(np.mean(np.interp(as_likely, _RMS, here) ** 2)))
 
 
 @cache

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from benchtool.analysis import analyze_step
-from benchtool.analysis.quantisation.read_noise import noise_of_readings
+from benchtool.analysis.quantisation.read_noise import error_of_mean, noise_of_readings
 from benchtool.block import Block
 
 STEP = 0.3
@@ -32,6 +34,22 @@ def test_next_to_no_noise_in_the_middle_between_levels_is_not_taken_for_half_a_s
 @pytest.mark.parametrize(("place", "rms"), [(0.25, 0.15), (0.4, 0.2), (0.75, 0.15), (0.1, 0.2)])
 def test_less_noise_is_told_by_how_far_from_a_level_the_value_is(place: float, rms: float) -> None:
     assert noise_of_readings(readings(place, rms), STEP) == pytest.approx(rms * STEP, rel=0.2)
+
+
+@pytest.mark.parametrize("rms", [1e-4, 0.03, 0.1, 0.33])
+def test_the_error_of_a_mean_is_that_of_values_anywhere_between_two_levels(rms: float) -> None:
+    """Also of those alone that are read on both levels."""
+    places = np.random.default_rng(5).uniform(-0.5, 0.5, 400)
+    over_u, of_both = [], []
+    for seed, place in enumerate(places):
+        read = readings(place, rms, seed)[:400]
+        error = float(np.mean(read)) - STEP * (17.0 + place)
+        over_u.append(error / math.hypot(error_of_mean(read, STEP), float(np.std(read)) / 20.0))
+        if np.ptp(read) > 0.0:
+            of_both.append(over_u[-1])
+    for each in filter(None, (over_u, of_both)):
+        assert 0.6 < math.sqrt(np.mean(np.square(each))) < 1.5
+        assert np.mean(np.abs(each) < 2.0) > 0.93
 
 
 def test_readings_about_a_reference_that_moves_are_told_by_their_variance() -> None:
