@@ -241,7 +241,7 @@ class Analysis(Generic[Settings]):
         rests_on = self.needs(settings) + (("torque_transducer",) if self.transducer else ())
 
         def on_channels(each: Measurement) -> Measurement:
-            if each.sensitivities.is_declared:
+            if each.sensitivities.channels is not None:
                 return each
             sensed = replace(each.sensitivities, rests_on=rests_on, of_spectra=self.of_spectra)
             return replace(each, sensitivities=sensed)

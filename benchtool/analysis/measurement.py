@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
@@ -73,6 +73,26 @@ class Correction:
 
 
 @dataclass(frozen=True)
+class Unresolved:
+    """What is known of an uncertainty beside the resolution of `channels` that read the same in every sample:
+    `beside`."""
+
+    channels: tuple[str, ...]
+    beside: Uncertainty
+
+    @property
+    def reason(self) -> str:
+        """Why that is not the whole, and what would make it so."""
+        names = " and ".join(self.channels)
+        tables = ", ".join(f"[bench.channels.{each}]" for each in self.channels)
+        verb = "read" if len(self.channels) > 1 else "reads"
+        return (
+            f"{names} {verb} the same in every sample, and what is below its resolution does not show: state "
+            f"that in {tables}"
+        )
+
+
+@dataclass(frozen=True)
 class Measurement:
     """One result: `definition` is a line from which the same number can be computed.
 
@@ -82,7 +102,8 @@ class Measurement:
     `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
     which ends at its `basis.bandwidth_Hz`. `sensitivities` are to the errors of sensors, and `of_sensors`
-    what these come to where the data give no uncertainty; neither is part of the document.
+    what these come to where the data give no uncertainty; `unresolved` is what stated resolutions make whole.
+    None of these is part of the document.
     """
 
     name: str
@@ -98,6 +119,26 @@ class Measurement:
     correction: Correction | None = None
     sensitivities: Sensitivities = field(default=MEASURED_AGAIN, compare=False, repr=False)
     of_sensors: tuple[Contribution, ...] = field(default=(), compare=False, repr=False)
+    unresolved: Unresolved | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def known_uncertainty(self) -> Uncertainty | None:
+        """The uncertainty, or what is known of it where a resolution does not show."""
+        return self.uncertainty if self.unresolved is None else self.unresolved.beside
+
+    def without_resolution_of(self, *channels: str) -> Measurement:
+        """Return it without an uncertainty where channels that it rests on read the same in every sample."""
+        if not channels or self.uncertainty is None:
+            return self
+        unresolved = Unresolved(channels, self.uncertainty)
+        return replace(self, uncertainty=None, uncertainty_reason=unresolved.reason, unresolved=unresolved)
+
+    def with_stated_resolutions(self) -> Measurement:
+        """Return it with the uncertainty that is known beside resolutions, which are stated and enter as
+        those of sensors do."""
+        if self.unresolved is None:
+            return self
+        return replace(self, uncertainty=self.unresolved.beside, uncertainty_reason="", unresolved=None)
 
     @property
     def as_read(self) -> float:

@@ -9,8 +9,8 @@ of both. Others depend on the waveform, and are found by measuring again
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Final, Literal
 
 OF_MEAN_STEP: Final = 1.0 / math.sqrt(12.0)
@@ -88,31 +88,50 @@ not keep their places, and extremes are missed.
 """
 
 
+class Error(StrEnum):
+    """Errors of a sensor."""
+
+    GAIN = "gain"
+    OFFSET = "offset"
+    RESOLUTION = "resolution"
+    BANDWIDTH = "bandwidth"
+
+
 @dataclass(frozen=True)
 class Sensitivity:
     """Derivatives of a number by the errors of one channel.
 
     `gain` is that by the relative error of the gain, in the number's unit, `offset` that by the offset in the
     channel's unit. `resolution` is the standard uncertainty for each unit of the smallest step that the
-    sensor shows, where no waveform tells how far its errors average out.
+    sensor shows, where no waveform tells how far its errors average out. What the errors `again` do depends
+    on the waveforms, and is found by measuring again.
     """
 
     channel: str
     gain: float = 0.0
     offset: float = 0.0
     resolution: float = 0.0
+    again: frozenset[Error] = frozenset()
+
+    @classmethod
+    def of_factor(cls, channel: str, value: float, mean: float) -> Sensitivity:
+        """Return those of a number that is proportional to a channel, by the mean of that."""
+        by_mean = value / mean
+        return cls(channel, value, by_mean, OF_MEAN_STEP * abs(by_mean))
 
     def scaled(self, factor: float) -> Sensitivity:
         """Return those of so many times the number."""
-        return Sensitivity(self.channel, factor * self.gain, factor * self.offset, factor * self.resolution)
+        return replace(
+            self, gain=factor * self.gain, offset=factor * self.offset, resolution=factor * self.resolution
+        )
 
 
 @dataclass(frozen=True)
 class Sensitivities:
     """What errors of sensors do to a number.
 
-    `channels` are those that it is computed from; None if it has to be measured again with other errors of
-    the channels that it `rests_on`, which `is_signed` says may take it below zero. `of_spectra` says that it
+    `channels` are those that it is computed from; None if it has to be measured again with all errors of the
+    channels that it `rests_on`, which `is_signed` says may take it below zero. `of_spectra` says that it
     is of ratios of spectra, each frequency by itself: then the response of a sensor can be divided out of a
     channel. Both follow from the declaration of the analysis, which adds them. `of_largest` says that it is
     of the line that was chosen as the largest of the channel, which before a sensor may be another.
@@ -131,13 +150,18 @@ class Sensitivities:
     @property
     def is_declared(self) -> bool:
         """Whether they follow from the definition, so that the number need not be measured again."""
-        return self.channels is not None
+        return self.channels is not None and not any(each.again for each in self.channels)
 
-    @property
-    def by_resolution(self) -> bool:
-        """Whether steps of a reading move it: not a frequency, nor the number of an order."""
-        steps = any(each.resolution != 0.0 for each in self.channels or ())
-        return steps or not isinstance(self.content, Level)
+    def again(self, channel: str) -> frozenset[Error]:
+        """Return the errors of a channel with which the number has to be measured again."""
+        if self.channels is None:
+            return frozenset(Error) if channel in self.rests_on else frozenset()
+        return frozenset().union(*(each.again for each in self.channels if each.channel == channel))
+
+    def is_moved_by_steps(self, part: Sensitivity) -> bool:
+        """Return whether steps of a reading move it as declared: not a frequency, nor the number of an
+        order."""
+        return part.resolution != 0.0 or not isinstance(self.content, Level)
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -175,11 +199,6 @@ class Sensitivities:
         of the samples beyond each."""
         content = Extremes(beyond_percent)
         return cls((Sensitivity(channel, value, resolution=OF_EXTREMES_STEP),), content)
-
-    @classmethod
-    def of_gains(cls, value: float, shares: Iterable[tuple[str, float]]) -> Sensitivities:
-        """Return those of a number to which the gains of channels contribute such shares of its value."""
-        return cls(tuple(Sensitivity(channel, share * value) for channel, share in shares))
 
 
 MEASURED_AGAIN: Final = Sensitivities()

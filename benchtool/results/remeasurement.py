@@ -47,5 +47,4 @@ def remeasured(
 
 def _moved(each: Measurement, channel: str) -> bool:
     """Return whether a measurement has a value and has to be measured again with errors of a channel."""
-    sensed = each.sensitivities
-    return math.isfinite(each.value) and not sensed.is_declared and channel in sensed.rests_on
+    return math.isfinite(each.value) and bool(each.sensitivities.again(channel))

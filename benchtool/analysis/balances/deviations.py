@@ -53,7 +53,8 @@ class Deviation:
     @property
     def threshold(self) -> float:
         """The difference beyond which the estimate contradicts the belief."""
-        standard = 0.0 if self.estimate.uncertainty is None else self.estimate.uncertainty.standard
+        known = self.estimate.known_uncertainty
+        standard = 0.0 if known is None else known.standard
         return max(SURE * standard, self.tolerance)
 
     @property

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,7 @@ from benchtool.analysis.balances.flux_model import NEEDED, PHASES, Electrical, T
 from benchtool.analysis.balances.space_vectors import Complex, Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
+from benchtool.analysis.sensors.mean_reading import MeanReading
 from benchtool.analysis.validity import clipping, require_finite_channels, require_unbroken
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -93,6 +95,12 @@ class FluxBalance:
         """The mean electrical speed, without its sign."""
         turned = np.angle(self.ticks.rotor[1:] * np.conj(self.ticks.rotor[:-1]))
         return abs(float(np.mean(turned))) / self.ticks.T_s
+
+    @cached_property
+    def link(self) -> MeanReading:
+        """The mean dc link: the drive makes a voltage as much larger than it asks for as its reading of the
+        link is too small, and every flux and impedance with it."""
+        return MeanReading.of("u_dc", self.ticks.u_dc, 1.0 / self.ticks.T_s)
 
     @property
     def estimate(self) -> Electrical:

@@ -11,13 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from benchtool.analysis.balances.flux_balance import ESTIMATED, FluxBalance, flux_balance
-from benchtool.analysis.balances.flux_model import NEEDED, PHASES
+from benchtool.analysis.balances.flux_model import NEEDED
+from benchtool.analysis.balances.readings import of_readings
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.quantisation.resolution import counting_step
-from benchtool.analysis.sensitivity import NO_SENSORS, Sensitivities
+from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record, error_of_root
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Uncertainty, combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -88,25 +88,17 @@ def _basis(found: FluxBalance, block: Block) -> Basis:
 
 
 def _measurements(found: FluxBalance, basis: Basis) -> Iterator[Measurement]:
-    step_V = counting_step(found.ticks.u_dc)
-    relative = step_V / (math.sqrt(12.0) * max(float(np.mean(found.ticks.u_dc)), step_V)) if step_V else 0.0
     for name in ESTIMATED:
         definition, unit, full = _DEFINITIONS[name], UNITS[name], f"flux_balance_{name}"
         if reason := found.solution.why_not(name):
             yield Measurement.undefined(full, unit, definition, reason, basis)
             continue
         value = found.solution.value(name)
-        scaled = 0.0 if name in _ANGLES_AND_GAINS else relative * abs(value)
-        further = Contribution("resolution of u_dc", "B", scaled)
-        yield Measurement(
-            full,
-            value,
-            unit,
-            definition,
-            basis,
-            found.solution.uncertainty(name, further),
-            sensitivities=Sensitivities.of_gains(value, _SHARES.get(name, ())),
-        )
+        link = found.link if name in _BY_LINK else None
+        uncertain = found.solution.uncertainty(name, *(link.line(value / link.mean) if link else ()))
+        sensed = of_readings(value, link, -1 if name in _PER_CURRENT else 0)
+        each = Measurement(full, value, unit, definition, basis, uncertain, sensitivities=sensed)
+        yield each.without_resolution_of(*(link.unresolved if link else ()))
     yield from _errors(found, basis)
 
 
@@ -141,13 +133,8 @@ def _correlations(found: FluxBalance, basis: Basis) -> Table:
     )
 
 
-_ANGLES_AND_GAINS: Final = frozenset({"encoder_offset", "current_gain_a", "current_gain_b", "current_gain_c"})
-_BY_LINK: Final = (("u_dc", 1.0),)
-_PER_CURRENT: Final = (*_BY_LINK, *((phase, -1.0 / 3.0) for phase in PHASES))
-_SHARES: Final = {  # voltages scale with that of the dc link; a third of each phase's gain is common to all
-    **dict.fromkeys(("psi_r", "dead_time_voltage"), _BY_LINK),
-    **dict.fromkeys(("R_s", "L_d", "L_q"), _PER_CURRENT),
-}
+_PER_CURRENT: Final = frozenset({"R_s", "L_d", "L_q"})
+_BY_LINK: Final = _PER_CURRENT | {"psi_r", "dead_time_voltage"}  # voltages scale with that of the dc link
 _GAIN = "gain of the current sensor of phase {}, over the mean of the three, minus 1"
 _DEFINITIONS: Final = {
     "R_s": "resistance of a phase, with that of its devices, that balances the flux from tick to tick",
@@ -161,7 +148,7 @@ _DEFINITIONS: Final = {
 }
 
 _OF_SQUARES: Final = "scatter of the squared errors over parts of the capture, with their correlation"
-_BY_SCATTER = "scatter of the errors of the balance over blocks, with their correlation; resolution of `u_dc`"
+_BY_SCATTER = "scatter of the errors of the balance over blocks, with their correlation"
 
 FLUX_BALANCE: Final = Analysis(
     name="flux_balance",
@@ -169,7 +156,12 @@ FLUX_BALANCE: Final = Analysis(
     measure=_measure,
     quantities=(
         *(
-            Quantity((f"flux_balance_{name}",), UNITS[name], _DEFINITIONS[name], _BY_SCATTER)
+            Quantity(
+                (f"flux_balance_{name}",),
+                UNITS[name],
+                _DEFINITIONS[name],
+                _BY_SCATTER + ("; resolution of `u_dc`" if name in _BY_LINK else ""),
+            )
             for name in ESTIMATED
         ),
         Quantity(

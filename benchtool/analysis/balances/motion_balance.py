@@ -27,13 +27,13 @@ from pydantic import Field
 from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.flux_balance import FluxBalance
 from benchtool.analysis.balances.flux_measurements import FluxBalanceSettings, balance_of
-from benchtool.analysis.balances.flux_model import NEEDED, PHASES
+from benchtool.analysis.balances.flux_model import NEEDED
+from benchtool.analysis.balances.readings import of_readings
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation.resolution import counting_step
-from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.uncertainty import Contribution
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -208,6 +208,7 @@ def _measurements(found: MotionBalance, basis: Basis) -> Iterator[Measurement]:
     flux = found.flux.solution
     told = flux.told("psi_r")
     relative = flux.standard("psi_r") / flux.value("psi_r") if told else math.nan
+    link = found.flux.link if told else None  # a rotor flux that is believed does not come from voltages
     for name in ESTIMATED:
         definition, unit, full = _DEFINITIONS[name], UNITS[name], f"motion_balance_{name}"
         reason = found.solution.why_not(name)
@@ -216,25 +217,19 @@ def _measurements(found: MotionBalance, basis: Basis) -> Iterator[Measurement]:
             continue
         value = found.solution.value(name)
         lines = [Contribution("rotor flux", "B", abs(value) * relative)] if told else []
+        if link is not None:
+            lines += link.line(value / link.mean)
         if name in ("friction", "coulomb"):
             between = found.between_ticks_Nm / math.sqrt(3.0)
             speed = math.sqrt(float(np.mean(found.omega_m_rad_s**2))) if name == "friction" else 1.0
             lines.append(Contribution("current between the ticks", "B", between / speed))
         reference = "torque by the parameters of the flux balance" if told else "torque by the psi_r believed"
         uncertain = found.solution.uncertainty(name, *lines)
-        yield Measurement(
-            full,
-            value,
-            unit,
-            definition,
-            replace(basis, reference=reference),
-            uncertain,
-            sensitivities=Sensitivities.of_gains(value, _SHARES),
-        )
+        of_found, sensed = replace(basis, reference=reference), of_readings(value, link, 1)
+        each = Measurement(full, value, unit, definition, of_found, uncertain, sensitivities=sensed)
+        yield each.without_resolution_of(*(link.unresolved if link else ()))
 
 
-# voltages scale with that of the dc link; a third of each phase's gain is common to all
-_SHARES: Final = (("u_dc", 1.0), *((phase, 1.0 / 3.0) for phase in PHASES))
 _DEFINITIONS: Final = {
     "J": "moment of inertia that balances torque and acceleration",
     "friction": "viscous friction: torque per mechanical speed",
@@ -250,7 +245,7 @@ MOTION_BALANCE: Final = Analysis(
             (f"motion_balance_{name}",),
             UNITS[name],
             _DEFINITIONS[name],
-            "scatter of the errors of the balance over blocks of windows; of `psi_r`"
+            "scatter of the errors of the balance over blocks of windows; of `psi_r`; resolution of `u_dc`"
             + ("" if name == "J" else "; current between the ticks by dead time"),
         )
         for name in ESTIMATED

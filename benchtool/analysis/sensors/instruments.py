@@ -15,7 +15,7 @@ import numpy as np
 
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.quantisation.resolution import counting_step
-from benchtool.analysis.sensitivity import Component, Level, Noise, Sensitivity
+from benchtool.analysis.sensitivity import Component, Error, Level, Noise, Sensitivity
 from benchtool.analysis.sensors.corrections import Effect, bandwidth_of, corrected, without_uncertainty
 from benchtool.analysis.sensors.effects import before_the_sensors, moved_by_steps
 from benchtool.analysis.sensors.lag import Lag, Response
@@ -126,12 +126,13 @@ class Instruments:
             return each
         if other := self._of_another(each):
             return Measurement.undefined(each.name, each.unit, each.definition, other, each.basis)
+        each, unresolved = self._resolved(each)
         channels = each.sensitivities.channels
-        effects = moved.effects if channels is None else [self._by_bandwidth(channels, each)]
+        effects = [*moved.effects, *([] if channels is None else [self._by_bandwidth(channels, each)])]
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
         known = [effect for effect in effects if isinstance(effect, Effect)] if not unknown else []
         by_data = each.uncertainty
-        each, by_lags = corrected(each, known, proportional=channels is not None)
+        each, by_lags = corrected(each, known, proportional=each.sensitivities.is_declared)
         if unknown:
             each = without_uncertainty(each, "; ".join(unknown))
         untold = [] if by_lags else [effect.of for effect in known]
@@ -150,9 +151,18 @@ class Instruments:
         if not all(math.isfinite(line.standard) for line in lines):
             each = without_uncertainty(each, "it is not found again with another error of its sensors")
         if each.uncertainty is None:
-            lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *untold)]
+            lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *untold, *unresolved)]
             return replace(each, of_sensors=tuple(lines))
         return replace(each, uncertainty=each.uncertainty.with_instruments(lines))
+
+    def _resolved(self, each: Measurement) -> tuple[Measurement, list[str]]:
+        """Return a number whose channels' resolutions are stated where their samples do not show them, and
+        those which are not."""
+        if each.unresolved is None:
+            return each, []
+        sensors = {channel: self._sensor(channel) for channel in each.unresolved.channels}
+        lacking = [channel for channel, of in sensors.items() if of is None or not of.resolution]
+        return each if lacking else each.with_stated_resolutions(), [f"resolution of {c}" for c in lacking]
 
     def _of_another(self, each: Measurement) -> str:
         """Return why it is not known which line is the largest; empty where it is, or none was chosen."""
@@ -197,7 +207,7 @@ class Instruments:
             yield _gain(channel, sensor, part.gain * sensor.gain_standard)
         if sensor.offset_standard > 0.0:
             yield _offset(channel, sensor, part.offset * sensor.offset_standard)
-        moves = each.sensitivities.by_resolution
+        moves = each.sensitivities.is_moved_by_steps(part)
         if sensor.resolution and moves and (rest := self._rest(channel, sensor)) > 0.0:
             moved = moved_by_steps(part, each, sensor.resolution, self._waveform(channel))
             yield self._of_resolution(channel, sensor, moved * rest / sensor.resolution)
@@ -271,7 +281,7 @@ class Instruments:
         }
         found = {name: Moved() for name in left}
         for channel, sensor in self.bench.channels.items():
-            own = {name: each for name, each in left.items() if channel in each.sensitivities.rests_on}
+            own = {name: each for name, each in left.items() if each.sensitivities.again(channel)}
             if own:
                 self._of_channel(channel, sensor, own, again, found)
         return found
@@ -286,6 +296,9 @@ class Instruments:
     ) -> None:
         """Add what one sensor does to measurements, by name."""
 
+        def moved_by(error: Error) -> dict[str, Measurement]:
+            return {name: each for name, each in found.items() if error in each.sensitivities.again(channel)}
+
         def measured(**error: Any) -> dict[str, Measurement]:
             return {each.name: each for each in again(Perturbed(channel, **error))}
 
@@ -293,29 +306,30 @@ class Instruments:
             return {name: each.value for name, each in measured(**error).items()}
 
         for error, u, line in (
-            ("gain", sensor.gain_standard, _gain),
-            ("offset", sensor.offset_standard, _offset),
+            (Error.GAIN, sensor.gain_standard, _gain),
+            (Error.OFFSET, sensor.offset_standard, _offset),
         ):
-            if u > 0.0:
+            if u > 0.0 and (own := moved_by(error)):
                 up, down = (read(**{error: step}) for step in (u, -u))
-                for name, each in found.items():
+                for name, each in own.items():
                     by = _larger(up.get(name, math.nan) - each.value, each.value - down.get(name, math.nan))
                     moved[name].lines.append(line(channel, sensor, by))
-        if (lag := Lag.of(sensor)) is not None:
-            spectral = {name for name, each in found.items() if each.sensitivities.of_spectra}
+        if (lag := Lag.of(sensor)) is not None and (own := moved_by(Error.BANDWIDTH)):
+            spectral = {name for name, each in own.items() if each.sensitivities.of_spectra}
             before = [measured(by=by, lags=-1) for by in lag.responses] if spectral else []
-            further = lag.once_more if len(spectral) < len(found) else ()
+            further = lag.once_more if len(spectral) < len(own) else ()
             later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in further]
-            for name, each in found.items():
+            for name, each in own.items():
                 if name in spectral:
                     effect = _by_division(each, [of.get(name) for of in before], channel, sensor, lag)
                 else:
                     values = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in later]
                     effect = _by_lags(each, values, channel, sensor, lag)
                 moved[name].effects.append(effect)
-        if sensor.resolution and (rest := self._rest(channel, sensor)) > 0.0:
+        own = moved_by(Error.RESOLUTION)
+        if sensor.resolution and own and (rest := self._rest(channel, sensor)) > 0.0:
             grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
-            for name, each in found.items():
+            for name, each in own.items():
                 changes = [grid.get(name, math.nan) - each.value for grid in grids]
                 by = math.sqrt(sum(change**2 for change in changes) / len(changes))
                 if math.isfinite(by):

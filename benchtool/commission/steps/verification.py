@@ -168,10 +168,11 @@ def sound_balance(found: Sequence[Measurement], known: Known) -> Sequence[Measur
     Raises:
         AnalysisError: they rest on another dead time than the one that was found.
     """
-    dead = next((each for each in found if each.name == _DEAD_TIME and each.uncertainty is not None), None)
-    if dead is not None and dead.uncertainty is not None:
+    dead = next((each for each in found if each.name == _DEAD_TIME), None)
+    uncertain = None if dead is None else dead.known_uncertainty
+    if dead is not None and uncertain is not None:
         near_zero_V = _NEAR_ZERO * abs(known.drop_V)
-        if abs(dead.value - known.drop_V) > max(SURE * dead.uncertainty.standard, near_zero_V):
+        if abs(dead.value - known.drop_V) > max(SURE * uncertain.standard, near_zero_V):
             raise AnalysisError(
                 f"the balance takes {dead.value:.3g} V for dead time, several levels of current have told "
                 f"{known.drop_V:.3g} V, and a wrong part for the resistance with it: the swing takes too "
@@ -230,7 +231,7 @@ def _combined(each: Deviation, known: Known, current_A: float) -> float:
     return math.hypot(
         left,
         *(
-            0.0 if one is None or one.uncertainty is None else one.uncertainty.standard
+            0.0 if one is None or one.known_uncertainty is None else one.known_uncertainty.standard
             for one in (each.estimate, other)
         ),
     )

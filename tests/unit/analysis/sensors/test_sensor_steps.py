@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,8 +11,9 @@ import pytest
 
 from benchtool.analysis.catalogue import catalogue
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.sensitivity import OF_EXTREMES_STEP, OF_MEAN_STEP, Sensitivities, Sensitivity
+from benchtool.analysis.sensitivity import OF_EXTREMES_STEP, OF_MEAN_STEP, Error, Sensitivities, Sensitivity
 from benchtool.analysis.sensors.effects import moved_by_steps
+from benchtool.analysis.sensors.instruments import Instruments, Perturbed
 from benchtool.analysis.sensors.waveform import Waveform
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -91,10 +93,32 @@ def test_a_guarantee_beside_a_tolerance_is_told() -> None:
     assert found.value == pytest.approx(6.0, rel=0.5e-4)
 
 
-def test_gains_contribute_their_shares() -> None:
-    found = Sensitivities.of_gains(4.0, [("i_a", 0.5), ("u_dc", -0.25)])
-    assert found.channels == (Sensitivity("i_a", gain=2.0), Sensitivity("u_dc", gain=-1.0))
-    assert not found.by_resolution
+def test_a_factor_moves_a_number_by_gain_offset_and_steps() -> None:
+    part = Sensitivity.of_factor("u_dc", -4.0, 200.0)
+    assert part == Sensitivity("u_dc", -4.0, -0.02, 0.02 * OF_MEAN_STEP)
+    assert Sensitivities((part,)).is_moved_by_steps(part)
+    assert not Sensitivities((part,)).is_moved_by_steps(Sensitivity("i_a", 2.0))
+
+
+def test_errors_that_depend_on_the_waveform_are_measured_again_beside_those_that_are_declared() -> None:
+    """The gain of i_a is declared, its offset measured again: nothing is where only the gain is stated."""
+    part = Sensitivity("i_a", 2.0, again=frozenset({Error.OFFSET}))
+    read = replace(reading("resistance", 2.0, unit="ohm"), sensitivities=Sensitivities((part,)))
+    asked: list[Perturbed] = []
+
+    def again(altered: Perturbed) -> Iterator[Measurement]:
+        asked.append(altered)
+        yield replace(read, value=read.value + 3.0 * altered.offset)
+
+    both = sensor_of(gain_U_percent=1.0, offset_U_A=0.1)
+    (found,) = Instruments(Bench(channels={"i_a": both})).applied([read], again)
+    assert sorted(line.standard for line in uncertainty_of(found).budget)[-2:] == pytest.approx([0.01, 0.15])
+    assert {each.gain for each in asked} == {0.0}
+
+    asked.clear()
+    (found,) = Instruments(Bench(channels={"i_a": sensor_of(gain_U_percent=1.0)})).applied([read], again)
+    assert uncertainty_of(found).standard == pytest.approx(0.01)
+    assert not asked
 
 
 def analyze_unbalance(block: Block) -> dict[str, Measurement]:
