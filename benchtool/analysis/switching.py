@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.quantisation.vector_steps import vectors_as_read
-from benchtool.analysis.sensitivity import NO_SENSORS
+from benchtool.analysis.sensitivity import NO_SENSORS, Error, Sensitivities, Sensitivity
 from benchtool.analysis.statistics.scatter import TOO_SLOW, error_of_record
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import (
@@ -210,6 +210,12 @@ def _numbers(shares: NDArray[np.float64], basis: Basis, of_steps: tuple[float, f
     ]
 
 
+# a drive makes times of its voltages by its reading of the dc link, whatever error that has
+_BY_VOLTAGES: Final = Sensitivities(
+    tuple(Sensitivity(channel, again=frozenset(Error)) for channel in ("u_alpha", "u_beta"))
+)
+
+
 def _mean(
     samples: NDArray[np.float64], name: str, unit: str, definition: str, basis: Basis, *further: Contribution
 ) -> Measurement:
@@ -217,7 +223,9 @@ def _mean(
     uncertain = combined(budget, "; ".join(each.name for each in budget))
     why = TOO_SLOW if uncertain is None else ""
     value = float(np.mean(samples))
-    return Measurement(name, value, unit, definition, basis, uncertain, uncertainty_reason=why)
+    return Measurement(
+        name, value, unit, definition, basis, uncertain, uncertainty_reason=why, sensitivities=_BY_VOLTAGES
+    )
 
 
 def _table(shares: NDArray[np.float64], basis: Basis) -> Table:

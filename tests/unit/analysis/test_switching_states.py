@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from benchtool.analysis import Instruments
 from benchtool.analysis.switching import switching_frequency, switching_states, vector_shares
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
+from benchtool.profile import Bench, Sensor
 
 CHANNELS = (Channel("u_alpha", "V"), Channel("u_beta", "V"), Channel("u_dc", "V"))
 
@@ -173,3 +175,12 @@ def test_the_scatter_of_regular_turn_ons_holds_the_count_at_both_ends_once() -> 
         assert found.uncertainty is not None
         errors.append((found.value - 1234.5) / found.uncertainty.standard)
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.2
+
+
+def test_an_error_of_the_dc_link_does_not_move_times_that_the_drive_makes_by_its_reading() -> None:
+    block = _block(*([(60.0, 20.0, 200.0), (50.0, -20.0, 200.0)] * 200))
+    bench = Bench(channels={"u_dc": Sensor.model_validate({"gain_limit_percent": 2.0, "resolution_V": 1.0})})
+    found = switching_states(block).measurements
+    applied = Instruments(bench, [block]).applied(found, lambda _: pytest.fail("nothing is measured again"))
+    assert [each.uncertainty for each in applied] == [each.uncertainty for each in found]
+    assert {each.sensitivities.named for each in found} == {("u_alpha", "u_beta")}
