@@ -18,9 +18,9 @@ from benchtool.analysis import (
     SIGNED_AND_MEASURED_AGAIN,
     Basis,
     Contribution,
+    MeanReading,
     Measurement,
     Sensitivities,
-    Uncertainty,
     combined,
     crop_to,
     error_of_record,
@@ -40,6 +40,7 @@ NAMES: Final = ("omega_m_reached", "torque_reached", "load_torque_reached", "u_d
 
 _FEWEST_ROWS = 20
 _TRANSDUCER = "torque_transducer"
+_TOO_SLOW = "it wanders more slowly than the record shows, or was read too few times"
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,16 @@ class CaseReadings:
             details.get("u_dc_V"),
             details.get("parameter_check", {}),
             details.get("driven_Nm", 0.0),
+        )
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The readings of the drive, one block for each signal."""
+        rate_Hz = 1.0 / READING_EVERY_S
+        return tuple(
+            Block.from_arrays(rate_Hz, {}, **{name: np.array(values, dtype=np.float64)})
+            for name, values in self.readings.items()
+            if len(values)
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -207,11 +218,12 @@ def _rows(plan: Plan, capture: Block) -> Block | None:
 
 @dataclass(frozen=True)
 class _Mean:
-    """Mean of a signal, its standard uncertainty with its degrees of freedom, its basis, and its source in
-    words."""
+    """Mean of a signal: its `value` with the `scatter` and the readings behind it, its basis, and its source
+    in words."""
 
     value: float
     scatter: Contribution
+    reading: MeanReading
     basis: Basis
     source: str
 
@@ -235,7 +247,8 @@ class _Signals:
         spread = float(np.std(readings, ddof=1)) / math.sqrt(len(readings)) if len(readings) > 1 else math.nan
         source = f"{name} read just before the capture"
         scatter = Contribution("scatter of the readings", "A", spread, max(1.0, len(readings) - 1.0))
-        return _Mean(float(np.mean(readings)), scatter, basis, source)
+        reading = MeanReading.of(name, readings, 1.0 / READING_EVERY_S)
+        return _Mean(reading.mean, scatter, reading, basis, source)
 
     def on_shaft(self) -> _Mean | None:
         """Return the mean of the transducer over the rows, or else of the drive's estimate."""
@@ -261,7 +274,8 @@ class _Signals:
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
     scatter = error_of_record(samples).line("scatter over parts of the record")
-    return _Mean(float(np.mean(samples)), scatter, record_basis(block), source)
+    reading = MeanReading.of(name, samples, block.sample_rate_Hz)
+    return _Mean(reading.mean, scatter, reading, record_basis(block), source)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
@@ -297,25 +311,16 @@ def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signa
 
 
 def _number(name: str, unit: str, definition: str, mean: _Mean, sensitivities: Sensitivities) -> Measurement:
-    uncertain, why = _scatter_of(mean)
-    return Measurement(
+    lines = (mean.scatter, *mean.reading.line())
+    uncertain = combined(lines, ", ".join(each.name for each in lines))
+    each = Measurement(
         name,
         mean.value,
         unit,
         definition,
         mean.basis,
         uncertain,
-        uncertainty_reason=why,
+        uncertainty_reason=_TOO_SLOW if uncertain is None else "",
         sensitivities=sensitivities,
     )
-
-
-def _scatter_of(mean: _Mean) -> tuple[Uncertainty | None, str]:
-    """Return its uncertainty, or why there is none: samples that are all the same, but for rounding, are
-    below the resolution and tell no scatter."""
-    uncertain = combined([mean.scatter], mean.scatter.name)
-    if uncertain is None:
-        return None, "it wanders more slowly than the record shows, or was read too few times"
-    if uncertain.standard > 1e-9 * abs(mean.value):
-        return uncertain, ""
-    return None, "all of its samples are the same, and what is below their resolution does not show"
+    return each.without_resolution_of(*mean.reading.unresolved)

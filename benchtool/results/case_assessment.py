@@ -79,7 +79,7 @@ def assess(
             raise
         # the operating point was not reached: that is the result, and nothing else is measured
         answers, refusal = _Answers(), str(refused)
-    blocks = [capture] if transducer is None else [capture, transducer]
+    blocks = [capture, *([] if transducer is None else [transducer]), *seen.blocks]
     instruments = Instruments(calibration.bench, blocks)
 
     def again(altered: Perturbed) -> Iterator[Measurement]:

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from benchtool.analysis import Instruments, Measurement
 from benchtool.block import Block
-from benchtool.plan.operating_point import measure_held
+from benchtool.plan.cases import cases
+from benchtool.plan.model import Plan
+from benchtool.plan.operating_point import CaseReadings, Target, measure_held, measure_reached
+from benchtool.profile import Bench, Sensor
+from benchtool.results.repetitions import over_repetitions
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
 
 
 def test_the_scatter_over_parts_has_their_degrees_of_freedom() -> None:
@@ -23,3 +29,88 @@ def test_the_scatter_over_parts_has_their_degrees_of_freedom() -> None:
     assert found.uncertainty.expanded == pytest.approx(factor * found.uncertainty.experimental)
     assert found.uncertainty.experimental < found.uncertainty.standard
     assert math.isfinite(found.uncertainty.expanded)
+
+
+def held(u_dc_V: np.ndarray, **stated: float) -> Measurement:
+    """Return the mean dc link of these samples, with a stated sensor if there is one."""
+    block = Block.from_arrays(1e3, {"u_dc": "V"}, u_dc=u_dc_V)
+    bench = Bench(channels={"u_dc": Sensor.model_validate(stated)} if stated else {})
+    (found,) = Instruments(bench, [block]).applied(tuple(measure_held(block)))
+    return found
+
+
+def test_of_samples_that_are_all_the_same_the_stated_resolution_is_what_is_known() -> None:
+    still_V = np.full(200, 122.559)
+    unknown = held(still_V, gain_limit_percent=0.5)
+    assert unknown.uncertainty is None
+    assert "state that in [bench.channels.u_dc]" in unknown.uncertainty_reason
+    found = held(still_V, gain_limit_percent=0.5, offset_limit_V=0.2, resolution_V=0.488)
+    assert not found.uncertainty_reason
+    assert found.uncertainty is not None
+    shares = 0.005 * 122.559 / math.sqrt(3.0), 0.2 / math.sqrt(3.0), 0.488 / math.sqrt(12.0)
+    assert found.uncertainty.standard == pytest.approx(math.hypot(*shares), rel=0.03)
+
+
+def test_samples_on_two_levels_tell_their_step_once() -> None:
+    """Their scatter over parts is a fifth of what the step leaves."""
+    steps = (np.random.default_rng(4).random(2000) < 0.02).astype(np.float64)
+    seen, stated = held(122.0 + 0.5 * steps), held(122.0 + 0.5 * steps, resolution_V=0.5)
+    assert seen.uncertainty is not None
+    assert seen.uncertainty.standard > 0.5 / math.sqrt(12.0)
+    assert "resolution of u_dc" in seen.uncertainty.source
+    assert stated.uncertainty is not None
+    assert stated.uncertainty.standard == pytest.approx(seen.uncertainty.standard)
+
+
+def test_the_error_of_a_mean_is_within_it_wherever_the_value_lies() -> None:
+    random = np.random.default_rng(6)
+    for noise in (0.0, 0.1, 0.4):
+        over_u = []
+        for value in random.uniform(120.0, 121.0, 40):
+            read = 0.5 * np.round((value + 0.5 * noise * random.standard_normal(200)) / 0.5)
+            found = held(read, resolution_V=0.5)
+            assert found.uncertainty is not None
+            over_u.append((found.value - value) / found.uncertainty.standard)
+        assert 0.5 < math.sqrt(np.mean(np.square(over_u))) < 1.4, noise
+        assert np.mean(np.abs(over_u) < 2.0) > 0.9, noise
+
+
+def plan_of(repetitions: int) -> Plan:
+    return Plan.model_validate(
+        {
+            "title": "test",
+            "profile": "zhu2011",
+            "repetitions": repetitions,
+            "operating_point": {"omega_m_rad_s": 10.0},
+            "record": {"duration_s": 0.1, "channels": ("torque",)},
+        }
+    )
+
+
+def test_repetitions_of_one_reading_do_not_show_its_resolution_either() -> None:
+    plan = plan_of(3)
+    named = [case.name for case in cases(plan)]
+    still_V = [np.full(200, level) for level in (122.0, 122.0, 122.5)]
+    unknown = {name: (held(each),) for name, each in zip(named, still_V, strict=True)}
+    ((found,),) = over_repetitions(plan, unknown).values()
+    assert found.uncertainty is None
+    assert "resolution of u_dc" in found.uncertainty_reason
+    known = {name: (held(each, resolution_V=0.5),) for name, each in zip(named, still_V, strict=True)}
+    ((found,),) = over_repetitions(plan, known).values()
+    assert found.uncertainty is not None
+
+
+def test_what_the_drive_is_read_just_before_counts_its_steps_once() -> None:
+    read_V, capture = (
+        [122.0] * 15 + [122.5] * 5,
+        Block.from_arrays(1e3, {"torque": "Nm"}, torque=np.ones(100)),
+    )
+    seen, (case, *_) = CaseReadings({"u_dc": read_V}), cases(plan_of(1))
+    wanted = (Target("u_dc_reached", 122.0, "V", 12.0),)
+    found = measure_reached(wanted, plan_of(1), case.operating_point, EXAMPLE_MOTOR, capture, None, seen)
+    bench = Bench(channels={"u_dc": Sensor.model_validate({"resolution_V": 0.5})})
+    (stated,) = Instruments(bench, [capture, *seen.blocks]).applied(found)
+    assert found[0].uncertainty is not None
+    (line,) = (each for each in found[0].uncertainty.budget if each.evaluation == "B")
+    assert line.name == "resolution of u_dc"
+    assert stated.uncertainty == found[0].uncertainty
