@@ -85,6 +85,12 @@ def _show(output: Output, twin: Twin) -> None:
             reasons.setdefault(each.estimate.reason, []).append(each.name)
     for reason, names in reasons.items():
         output.sentence(f"{', '.join(names)}: {reason}", "dim")
+    unknown: dict[str, list[str]] = {}
+    for each in twin.deviations:
+        if each.estimate.uncertainty_reason:
+            unknown.setdefault(each.estimate.uncertainty_reason, []).append(each.name)
+    for reason, names in unknown.items():
+        output.sentence(f"without ±: {', '.join(names)}: {reason}", "dim")
     if twin.motion:
         output.sentence(f"no balance of torque: {twin.motion}", "dim")
     for each in twin.wrong:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +19,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Findings, Measurement, Window, measurements_to_json
+from benchtool.analysis import (
+    Findings,
+    Instruments,
+    Measurement,
+    Perturbed,
+    Window,
+    measurements_to_json,
+)
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
@@ -36,8 +44,9 @@ from benchtool.analysis.balances import (
 )
 from benchtool.block import Block
 from benchtool.errors import AnalysisError, RecordingError
-from benchtool.profile import Motor
+from benchtool.profile import Bench, Motor
 from benchtool.recording import Bundle
+from benchtool.results.calibration import Calibration
 from benchtool.results.recordings import BESIDE, motor_of
 from benchtool.results.runs import recorded_bundles
 from benchtool.results.windows import longest_unbroken
@@ -146,11 +155,16 @@ def twins(folder: Path, *, stream: str = "", delay_ticks: int = 1) -> Iterator[T
         bundle.require_intact()
         block = bundle.block(_stream_of(bundle, stream))
         case = str(bundle.manifest.details.get("case", "") or bundle.directory.resolve().name)
-        yield twin_of(block, _believed_motor(bundle), case, bundle.directory, delay_ticks)
+        bench = Calibration.of(bundle.manifest).bench
+        yield twin_of(block, _believed_motor(bundle), case, bundle.directory, delay_ticks, bench)
 
 
-def twin_of(block: Block, motor: Motor, case: str, bundle: Path, delay_ticks: int = 1) -> Twin:
+def twin_of(
+    block: Block, motor: Motor, case: str, bundle: Path, delay_ticks: int = 1, bench: Bench | None = None
+) -> Twin:
     """Return a capture beside its twin; of one with gaps, its longest stretch without.
+
+    What is stated of the sensors on its `bench` is in the uncertainties of the estimates.
 
     Raises:
         AnalysisError: a channel is missing, or the capture does not tell any parameter.
@@ -161,23 +175,41 @@ def twin_of(block: Block, motor: Motor, case: str, bundle: Path, delay_ticks: in
             f"{', '.join(name for name in FLUX_BALANCE.channels if name in block.names) or 'others'}: record "
             f"{', '.join(FLUX_BALANCE.channels)} with every tick"
         )
-    window = Window.of(longest_unbroken(block), motor)
-    settings = FluxBalanceSettings(delay_ticks=delay_ticks)
-    found = FLUX_BALANCE.measure(window, settings)
+    unbroken = longest_unbroken(block)
+    window = Window.of(unbroken, motor)
+    found = FLUX_BALANCE.measure(window, FluxBalanceSettings(delay_ticks=delay_ticks))
     flux: FluxBalance = found.result
-    refusal, moved = "", Findings(())
-    try:
-        moved = MOTION_BALANCE.measure(window, MotionBalanceSettings(delay_ticks=delay_ticks))
-    except AnalysisError as refused:
-        refusal = str(refused)
+    moved, refusal = _of_motion(window, delay_ticks)
     signals = [*_currents(flux)]
     if moved.result is not None and moved.result.solution.told("J"):
         signals.append(_speed(moved.result, motor))
     believed = {name: float(getattr(motor, key)) for name, key in _HELD.items()}
-    measurements: tuple[Measurement, ...] = (*found.measurements, *moved.measurements)
+
+    def again(altered: Perturbed) -> Iterator[Measurement]:
+        """Yield the estimates with a perturbed channel; none where it does not allow them."""
+        with suppress(AnalysisError):
+            yield from _estimates(Window.of(altered.of(unbroken), motor), delay_ticks)
+
+    instruments = Instruments(bench or Bench(), [unbroken])
+    measurements = instruments.applied((*found.measurements, *moved.measurements), again)
     beside = deviations(measurements, believed, motor, float(np.mean(flux.ticks.u_dc)))
     time_s = flux.ticks.T_s * (delay_ticks + np.arange(len(signals[0].measured), dtype=np.float64))
     return Twin(case, bundle, time_s, tuple(signals), beside, refusal)
+
+
+def _estimates(window: Window, delay_ticks: int) -> Iterator[Measurement]:
+    """Yield what both balances of a window estimate."""
+    yield from FLUX_BALANCE.measure(window, FluxBalanceSettings(delay_ticks=delay_ticks)).measurements
+    moved, _ = _of_motion(window, delay_ticks)
+    yield from moved.measurements
+
+
+def _of_motion(window: Window, delay_ticks: int) -> tuple[Findings, str]:
+    """Return what the balance of torque finds, or nothing and why."""
+    try:
+        return MOTION_BALANCE.measure(window, MotionBalanceSettings(delay_ticks=delay_ticks)), ""
+    except AnalysisError as refused:
+        return Findings(()), str(refused)
 
 
 def _currents(flux: FluxBalance) -> Iterator[Signal]:
