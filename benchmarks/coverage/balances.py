@@ -22,16 +22,18 @@ from benchmarks.coverage.excited import (
 )
 from benchmarks.coverage.families import Compared, families_of, selected
 from benchmarks.coverage.noise import UNCORRELATED
-from benchtool.analysis import Window
+from benchtool.analysis import Instruments, Window
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
     FluxBalanceSettings,
     MotionBalanceSettings,
 )
+from benchtool.profile import Bench, Sensor
 
 _SENSORS, _EXCITATION = Sensors(), Excitation()
 _COARSE = 4.0  # of noise: such steps read neighbours alike
+_FINEST_V = 1e-6  # resolution that is stated of a dc link that is read without steps
 
 
 @dataclass(frozen=True)
@@ -61,11 +63,15 @@ def _trial(what: Balance, random: np.random.Generator) -> Iterator[Compared]:
     found = record(true, what.sensors, what.excitation, what.rows, random)
     window = Window.of(found.block, MOTOR)
     truths = true.truths | _errors(what, true, found)
-    yield from selected(FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements, truths)
+    link = Sensor.model_validate({"resolution_V": what.sensors.step_V or _FINEST_V})
+    instruments = Instruments(Bench(channels={"u_dc": link}), [found.block])
+    flux = FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements
+    yield from selected(instruments.applied(flux), truths)
     if what.excitation.speeds_rad_s:
         return
     settings = MotionBalanceSettings(cogging_orders=(what.cogging[0],) if what.cogging[0] else ())
-    yield from selected(MOTION_BALANCE.measure(window, settings).measurements, truths)
+    motion = MOTION_BALANCE.measure(window, settings).measurements
+    yield from selected(instruments.applied(motion), truths)
 
 
 def _errors(what: Balance, true: Machine, found: Record) -> dict[str, float]:
@@ -103,6 +109,8 @@ BALANCES: Mapping[str, Balance] = {
     "excited_eccentric": replace(_BALANCE, sensors=replace(_SENSORS, eccentricity_rad=5e-4)),
     "excited_noisy_link": replace(_BALANCE, sensors=replace(_SENSORS, noise_V=0.5)),
     "excited_steps_of_link": replace(_BALANCE, sensors=replace(_SENSORS, step_V=0.6, noise_V=0.2)),
+    "excited_still_link": replace(_BALANCE, sensors=replace(_SENSORS, step_V=0.6)),
+    "excited_link_of_few_counts": replace(_BALANCE, sensors=replace(_SENSORS, step_V=0.6, noise_V=0.06)),
     "excited_short": replace(_BALANCE, rows=1800),
     "excited_long": replace(_BALANCE, rows=9000),
     "excited_held": replace(_BALANCE, excitation=Excitation(speeds_rad_s=(40.0,)), has_dead_time=False),
