@@ -167,9 +167,14 @@ def test_a_sensor_of_no_channel_is_refused_before_a_run(tmp_path: Path, section:
     assert str(refused.value).startswith(f"{tmp_path / 'mine.toml'}, line {line}, [bench.channels]: ")
 
 
-def test_the_shipped_profile_states_no_sensor() -> None:
-    """The emulated sensors have no error of gain, offset or clock, so that there is nothing to state."""
-    assert not load_profile("zhu2011").bench.channels
+def test_the_shipped_profile_states_of_the_sensors_the_step_that_no_sample_shows() -> None:
+    """The emulated sensors have no error of gain, offset or clock, so that there is nothing else to state."""
+    profile = load_profile("zhu2011")
+    emulator = profile.emulator
+    assert emulator is not None
+    step_V = emulator.sensors.u_full_scale_V / 2**emulator.sensors.adc_bits
+    assert profile.bench.channels == {"u_dc": Sensor.model_validate({"resolution_V": step_V})}
+    assert profile.bench.clock is None
 
 
 @pytest.mark.parametrize("kind", ["operator", "person"])
