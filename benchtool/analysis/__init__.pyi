@@ -53,6 +53,7 @@ from .noise.noise import (
 from .numbers import (
     NOTHING as NOTHING,
     count_of as count_of,
+    degrees as degrees,
     number as number,
     placed as placed,
     probability as probability,

@@ -12,17 +12,21 @@ _MINUS: Final = "−"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DIGITS = 4
 _MOST_DIGITS = 10
+_GIVEN_DIGITS = 7
 _LEAST_PROBABILITY = 0.001
 _SMALLEST, _LARGEST = 1e-3, 1e6  # outside, powers of ten are set apart
+_PLAIN = 1e9  # whole numbers below it are written out
+_ROUNDING = 1e-30  # in SI units: smaller numbers are what rounding leaves of zero
+_WHOLE = 100.0  # from so many degrees of freedom on, parts of one do not show in k
 
 
 def number(value: float, digits: int = _DIGITS) -> str:
     """Return a number to so many significant digits, whole numbers in full; a dash for what has no value."""
     if not math.isfinite(value):
         return NOTHING
-    if value == 0.0:
+    if abs(value) < _ROUNDING:
         return "0"
-    if float(value).is_integer() and abs(value) < 1e9:
+    if float(value).is_integer() and abs(value) < _PLAIN:
         return _signed(f"{value:.0f}")
     exponent = _exponent(value, digits)
     if not _SMALLEST <= abs(value) < _LARGEST:
@@ -34,7 +38,7 @@ def stated(value: float, uncertainty: float | None) -> str:
     """Return a value with its uncertainty, standard or expanded as the heading says: the uncertainty to two
     digits and the value to the same place, up to ten digits (JCGM 100:2008, 7.2.6); without one, four
     significant digits."""
-    if uncertainty is None or not (math.isfinite(value) and math.isfinite(uncertainty)) or uncertainty <= 0.0:
+    if uncertainty is None or not (math.isfinite(value) and _ROUNDING <= uncertainty < math.inf):
         return number(value)
     largest = max(abs(value), uncertainty)
     scaled = 0 if _SMALLEST <= largest < _LARGEST else _exponent(largest, 2)
@@ -77,11 +81,25 @@ def count_of(count: int, one: str, several: str = "") -> str:
     return f"{count} {one if count == 1 else several or f'{one}s'}"
 
 
-def raw(value: object) -> str:
-    """Return a number or a setting as it was given, without further digits."""
+def degrees(dof: float) -> str:
+    """Return degrees of freedom to three digits, and to the whole where they are many."""
+    if not math.isfinite(dof):
+        return "∞"
+    return number(round(dof) if dof >= _WHOLE else float(f"{dof:.3g}"), 3)
+
+
+def raw(value: object, digits: int = _GIVEN_DIGITS) -> str:
+    """Return a number or a setting as it was given, without further digits; powers of ten set apart."""
     if isinstance(value, bool):
         return str(value).lower()
-    return _signed(f"{value:.7g}") if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    factor, _, exponent = f"{value:.{digits}g}".partition("e")
+    if not exponent:
+        return _signed(factor)
+    if 1.0 < abs(value) < _PLAIN:
+        return _signed(f"{float(f'{factor}e{exponent}'):.0f}")
+    return _signed(f"{factor} × {_power(int(exponent))}")
 
 
 def _exponent(value: float, digits: int) -> int:

@@ -15,7 +15,8 @@ from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
-from benchtool.cli.results import show_disagreements, together_text
+from benchtool.cli.results import show_disagreements, verdict_text
+from benchtool.cli.side_by_side import Column, show_beside
 from benchtool.errors import UsageError
 from benchtool.report import difference
 from benchtool.results import (
@@ -159,13 +160,14 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
     """Print the means of runs side by side, and how each meets the limits over its repetitions."""
     letters = _letters(comparison)
     title = f"{comparison.case or 'comparison'}: means of the repetitions"
-    _show_measured(output, title, comparison, letters)
+    _show_columns(output, title, comparison, letters)
     for label, result in comparison.results.items():
         for each in result.judged:
             told = f": it {each.told.reason}" if each.told else ""
             waived = " (waived)" if each.waived else ""
             output.sentence(
-                f"{letters[label]}: {each.name}: {together_text(each)}{waived}{told}",
+                f"{letters[label]}: {each.name}: {verdict_text(each)}, {each.judge} {each.limit.bounds}"
+                f"{waived}{told}",
                 VERDICT_COLOURS[each.counted],
             )
 
@@ -176,20 +178,10 @@ def _letters(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
     return {label: chr(ord("A") + place) if place < 26 else str(place + 1) for place, label in labels}
 
 
-def _show_measured(
-    output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
-) -> None:
-    """Print what was measured, with the differences."""
-    if len(comparison.results) > _MOST_COLUMNS:
-        _show_many(output, title, comparison, letters)
-    else:
-        _show_columns(output, title, comparison, letters)
-
-
 def show(output: Output, comparison: Comparison) -> None:
     """Print the measurements of runs side by side, and what bears on the differences."""
     results, letters = comparison.results, _letters(comparison)
-    _show_measured(output, comparison.case or "comparison", comparison, letters)
+    _show_columns(output, comparison.case or "comparison", comparison, letters)
     output.sentence(
         "* beyond its expanded uncertainty (95 %), ~ within it; ✓ better, ✗ worse by a limit", "dim"
     )
@@ -209,22 +201,26 @@ def show(output: Output, comparison: Comparison) -> None:
 def _show_columns(
     output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
 ) -> None:
-    """A row for each measurement. Of two runs, the difference has columns of its own."""
+    """Print what was measured, with the difference of each run to the first: a row for each measurement or,
+    of many runs, for each run with the headline measurements."""
+    if len(comparison.results) > _MOST_COLUMNS:
+        _show_many(output, title, comparison, letters)
+        return
     first, *others = comparison.results
-    units = {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
-    two = len(others) == 1
-    differences = (f">{letters[others[0]]}−A", ">%") if two else ()
-    rows = []
-    for name in valued(comparison):
-        cells: list[str | Text] = [name, _value(comparison, first, name)]
-        for label in others:
-            if two:
-                cells += _apart(comparison, label, name)
-            else:
-                cells.append(_together(comparison, label, name))
-        rows.append((*cells, units[name]))
-    output.table(
-        title, ("measurement", *(f">{letter}" for letter in letters.values()), *differences, "unit"), rows
+    units = _units(comparison)
+    shown = list(valued(comparison))
+    groups = [
+        [
+            Column(f">{letters[label]}", tuple(_value(comparison, label, name) for name in shown)),
+            Column(f">{letters[label]}−A ± U", tuple(_difference(comparison, label, name) for name in shown)),
+            Column(">%", tuple(_percent(_delta(comparison, label, name)) for name in shown)),
+        ]
+        for label in others
+    ]
+    names = Column("measurement", tuple(shown))
+    reference = Column(f">{letters[first]}", tuple(_value(comparison, first, name) for name in shown))
+    show_beside(
+        output, title, [names, reference], groups, [Column("unit", tuple(units[name] for name in shown))]
     )
 
 
@@ -232,14 +228,26 @@ def _show_many(
     output: Output, title: str, comparison: SideBySide[MeasuredCase], letters: Mapping[str, str]
 ) -> None:
     """Print a row for each run with the headline measurements; the documents contain all."""
-
-    known = comparison.names
+    known, units = comparison.names, _units(comparison)
     names: list[str] = [name for name in catalogue().headline if name in known] or list(known[:4])
-    rows: list[tuple[str | Text, ...]] = [
-        (f"{letters[label]} {label}", *(_together(comparison, label, name) for name in names))
-        for label in comparison.results
+    runs = list(comparison.results)
+    groups = [
+        [
+            Column(
+                f">{name} ({units[name]})" if units[name] else f">{name}",
+                tuple(_value(comparison, label, name) for label in runs),
+            ),
+            Column(">less A ± U", tuple(_difference(comparison, label, name) for label in runs)),
+            Column(">%", tuple(_percent(_delta(comparison, label, name)) for label in runs)),
+        ]
+        for name in names
     ]
-    output.table(title, ("run", *(f">{name}" for name in names)), rows)
+    labels = Column("run", tuple(f"{letters[label]} {label}" for label in runs))
+    show_beside(output, title, [labels], groups)
+
+
+def _units(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
+    return {each.name: each.unit for result in comparison.results.values() for each in result.measurements}
 
 
 def _value(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
@@ -266,25 +274,15 @@ def _delta(comparison: SideBySide[MeasuredCase], label: str, name: str) -> Delta
     return next((each for each in comparison.deltas.get(label, ()) if each.name == name), None)
 
 
-def _apart(comparison: SideBySide[MeasuredCase], label: str, name: str) -> list[str | Text]:
-    """Return the value, difference with its uncertainty, and percent."""
+def _difference(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
+    """Return the difference to the first run with its uncertainty."""
     delta = _delta(comparison, label, name)
-    absolute = difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
-    return [_value(comparison, label, name), absolute, _percent(delta)]
+    return difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
 
 
-def _together(comparison: SideBySide[MeasuredCase], label: str, name: str) -> Text:
-    """Return the value and percent in one cell."""
-    value = _value(comparison, label, name)
-    delta = _delta(comparison, label, name)
-    if delta is None:
-        return Text(value)
-    return Text.assemble(value, " (", _percent(delta, unit="%"), ")")
-
-
-def _percent(delta: Delta | None, unit: str = "") -> Text:
+def _percent(delta: Delta | None) -> Text:
     if delta is None or not math.isfinite(delta.percent):
-        return Text("–")
+        return Text(NOTHING)
     sign = {True: "*", False: "~", None: ""}[delta.exceeds]
     judged, style = {"better": ("✓", "green"), "worse": ("✗", "red"), "": ("", "")}[delta.judgement]
-    return Text(f"{signed(delta.percent, 2)}{unit}{sign}{judged}", style=style)
+    return Text(f"{signed(delta.percent, 2)}{sign}{judged}", style=style)

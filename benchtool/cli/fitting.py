@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from rich.cells import cell_len
 
-_SEPARATOR = 3  # cells between columns
+SEPARATOR = 3  # cells between columns
 _LEAST_NAME = 12
 _LEAST_TEXT = 24  # of a column of words
 _INDENT = "    "
@@ -29,8 +29,8 @@ def widest_name(columns: Sequence[str], rows: Sequence[Sequence[str]], width: in
     """
     headings = [column.removeprefix(">") for column in columns]
     texts = list(zip(headings, *rows, strict=True))
-    natural = [max(map(cell_len, column)) for column in texts]
-    excess = sum(natural) + _SEPARATOR * (len(columns) - 1) - width
+    natural = [max(cell_len(line) for text in column for line in text.split("\n")) for column in texts]
+    excess = sum(natural) + SEPARATOR * (len(columns) - 1) - width
     words = [
         wide for wide, column in zip(natural[1:], columns[1:], strict=True) if not column.startswith(">")
     ]

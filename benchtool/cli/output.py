@@ -44,6 +44,11 @@ class Output:
         self._people = _console(stderr=as_json)
         self.progress = _console(stderr=True)
 
+    @property
+    def width(self) -> int:
+        """Cells in a line of the results."""
+        return self._people.width
+
     def note(self, text: str) -> None:
         """Print a line of progress; a closed terminal does not end a run."""
         with suppress(OSError):
@@ -75,7 +80,8 @@ class Output:
         self._show(Text(text, style=VERDICT_COLOURS[verdict]))
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
-        """Print a table of the result; columns whose heading begins with `>` are right-aligned."""
+        """Print a table of the result; columns whose heading, of one line or more, begins with `>` are
+        right-aligned."""
         table = Table(
             title=printable(title),
             title_justify="left",
@@ -88,7 +94,7 @@ class Output:
         for number, column in enumerate(columns):
             side: Literal["left", "right"] = "right" if column.startswith(">") else "left"
             table.add_column(
-                printable(column.removeprefix(">")),
+                "\n".join(printable(line) for line in column.removeprefix(">").split("\n")),
                 justify=side,
                 overflow="fold",
                 no_wrap=widest is None and number == 0,

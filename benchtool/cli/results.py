@@ -9,21 +9,22 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from rich.text import Text
 
 from benchtool.analysis import (
+    NOTHING,
     Measurement,
     catalogue,
-    placed,
+    number,
     probability,
     undefined,
     with_expanded,
     without_uncertainty,
 )
 from benchtool.cli.fitting import named
-from benchtool.cli.output import VERDICT_COLOURS, Output, significant, warn_overdue
+from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
+from benchtool.cli.side_by_side import Column, show_beside
 from benchtool.plan import JudgedLimit, Limit
 from benchtool.results import (
     Assessment,
     Disagreement,
-    JudgedTogether,
     Repeated,
     RunResult,
     overdue_text,
@@ -53,6 +54,10 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
     output.verdict(result.verdict, result.verdict_by_transducer, overdue_text(result.overdue))
     show_missed(output, result.assessments)
     show_waived(output, result)
+    for name, together in result.unjudged.items():
+        output.sentence(
+            f"undecided: {name}: {together.of_one}", lead="  ", style=VERDICT_COLOURS["undecided"]
+        )
     for case, missed in result.missed:
         output.sentence(
             f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
@@ -115,11 +120,14 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
     """Print what was not measured for lack of channels, what uncertainties do not contain, and where the
     drive contradicts the profile."""
     told: dict[str, None] = {}
+    in_all = set.intersection(*(set(case.of_sensors) for case in cases)) if cases else set()
     for case in cases:
         if case.recorded is not None:
             told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
-        told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.of_sensors)
+        told |= dict.fromkeys(
+            text if text in in_all else f"{_of(case, cases)}{text}" for text in case.of_sensors
+        )
     told |= dict.fromkeys(_reasons(cases, undefined, "undefined"))
     told |= dict.fromkeys(_reasons(cases, without_uncertainty, "without ±"))
     for case in cases:
@@ -161,45 +169,53 @@ def _of(case: Assessment, cases: Sequence[Assessment]) -> str:
 
 def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Sequence[str]) -> None:
     """Print some measurements of many cases, a row for each case."""
-    rows: list[tuple[str | Text, ...]] = [
-        (case.case, *(_cell(case, name) for name in names)) for case in cases
+    units = {each.name: each.unit for case in cases for each in case.measurements}
+    columns = [
+        Column(
+            f">{name} ({units[name]})" if units.get(name) else f">{name}",
+            tuple(_cell(case, name) for case in cases),
+        )
+        for name in names
     ]
-    output.table(title, ("case", *(f">{name}" for name in names)), rows)
+    names = Column("case", tuple(case.case for case in cases))
+    show_beside(output, f"{title}: value ± U (95 %)", [names], [[column] for column in columns])
 
 
 def show_repeated(
     output: Output, repeated: Mapping[str, Sequence[Repeated]], names: Sequence[str] = ()
 ) -> None:
-    """Print the results of each case over its repetitions: all measurements or those named."""
+    """Print the means of each case over its repetitions, all of them or those named, and how it meets the
+    limits that hold for them together."""
     for case, together in repeated.items():
-        limited = any(each.judged for each in together)
-        rows: list[tuple[str | Text, ...]] = [
-            (
-                each.name,
-                placed(each.mean, each.combined),
-                significant(each.combined, 2),
-                str(each.n),
-                each.unit,
-            )
-            + ((together_text(each.judged),) if limited else ())
+        rows = [
+            (each.name, with_expanded(each.mean, each.uncertainty), str(each.n), each.unit)
             for each in together
             if not names or each.name in names
         ]
-        verdict = ("verdict",) if limited else ()
-        columns = ("measurement", ">mean", ">uncertainty", ">n", "unit", *verdict)
-        output.table(f"{case}: mean of the repetitions and its standard uncertainty", columns, rows)
+        columns = ("measurement", ">mean ± U (95 %)", ">n", "unit")
+        output.table(f"{case}: means of the repetitions", columns, rows)
+        judged = [each.judged for each in together if each.judged is not None]
+        if judged:
+            title = f"{case}: limits that hold for the {judged[0].judge} of {judged[0].count} repetitions"
+            limits = (
+                (each.name, _judged_value(each), _unit(each), each.limit.bounds, verdict_text(each))
+                for each in judged
+            )
+            columns = ("measurement", f">{judged[0].judge} ± U (95 %)", "unit", "limit", "verdict")
+            output.table(title, columns, list(limits))
+            _show_rules(output, {each.name: each for each in judged})
 
 
-def together_text(judged: JudgedTogether | None) -> str:
-    """Return the verdict on a limit over repetitions, and the value that it is applied to."""
-    if judged is None:
-        return ""
-    what = "" if judged.measured is None else f", {judged.judge} {judged.limit.bounds}"
-    return f"{_verdict(judged)}{what}"
+def _judged_value(judged: JudgedLimit) -> str:
+    return NOTHING if judged.measured is None else measured(judged.measured)
+
+
+def _unit(judged: JudgedLimit) -> str:
+    return "" if judged.measured is None else judged.measured.unit
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:
-    """Print the measurements of several cases as one table; missed limits are red, published figures in
+    """Print the measurements of several cases beside each other; missed limits are red, published figures in
     brackets."""
     valued = {
         each.name
@@ -208,20 +224,21 @@ def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -
         if case.recorded is None or math.isfinite(each.value)
     }
     found = dict.fromkeys((each.name, each.unit) for case in cases for each in case.measurements)
-    names = [(name, unit) for name, unit in found if name in valued]
-    rows: list[tuple[str | Text, ...]] = [
-        (name, *(_cell(case, name) for case in cases), unit) for name, unit in names
-    ]
-    output.table(title, ("measurement", *(f">{case.case}" for case in cases), "unit"), rows)
+    shown = [(name, unit) for name, unit in found if name in valued]
+    groups = [[Column(f">{case.case}", tuple(_cell(case, name) for name, _ in shown))] for case in cases]
+    names = Column("measurement", tuple(name for name, _ in shown))
+    units = Column("unit", tuple(unit for _, unit in shown))
+    show_beside(output, f"{title}: value ± U (95 %)", [names], groups, [units])
     for case in cases:
         output.line(f"{case.case}: {case.bundle}")
 
 
 def _cell(case: Assessment, name: str) -> Text:
-    value = next((each.value for each in case.measurements if each.name == name), math.nan)
-    published = f" ({significant(case.published[name])})" if name in case.published else ""
+    found = next((each for each in case.measurements if each.name == name), None)
+    published = f" ({number(case.published[name])})" if name in case.published else ""
     verdict = case.verdicts.get(name)
-    return Text(f"{significant(value)}{published}", style=VERDICT_COLOURS[verdict] if verdict else "")
+    text = f"{NOTHING if found is None else measured(found)}{published}"
+    return Text(text, style=VERDICT_COLOURS[verdict] if verdict else "")
 
 
 def show_assessment(output: Output, title: str, result: Assessment) -> None:
@@ -234,32 +251,48 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
             continue  # below, with the reason
         held = result.judged.get(each.name)
         bounds = "" if held is None else held.limit.bounds
-        beside = (significant(result.published.get(each.name, math.nan)),) if published else ()
+        beside = (number(result.published.get(each.name, math.nan)),) if published else ()
         cells = (
             each.name,
             measured(each),
             *beside,
             each.unit,
             bounds,
-            _verdict(held),
+            verdict_text(held),
         )
         rows.append(cells)
     headings = (f">{name}" for name in published)
     columns = ("measurement", ">value ± U (95 %)", *headings, "unit", "limit", "verdict")
     output.table(title, columns, rows)
-    if result.limits:
-        output.sentence(f"decision rule: {_rules(result.limits)}; P: probability of conformance", "dim")
-        for name, judged in result.judged.items():
-            if judged.conformance_reason:
-                output.sentence(f"no P of {name}: {judged.conformance_reason}", "dim")
+    _show_rules(output, result.judged)
     output.line(f"bundle: {result.bundle}")
 
 
-def _verdict(judged: JudgedLimit | None) -> str:
+def verdict_text(judged: JudgedLimit | None) -> str:
     """Return the verdict on a limit and, where that is known, the probability of conformance."""
     if judged is None or judged.conformance is None:
         return "" if judged is None else str(judged.verdict)
     return f"{judged.verdict}, P {probability(judged.conformance)}"
+
+
+def _show_rules(output: Output, judged: Mapping[str, JudgedLimit]) -> None:
+    """Print the decision rules of limits, what P is, and why some have none."""
+    if not judged:
+        return
+    limits = {name: each.limit for name, each in judged.items()}
+    meaning = next(iter(judged.values())).probability_of
+    output.sentence(f"decision rule: {_rules(limits)}; P: {meaning}", "dim")
+    for reason, names in _without_conformance(judged).items():
+        output.sentence(f"no P of {named(tuple(names))}: {reason}", "dim")
+
+
+def _without_conformance(judged: Mapping[str, JudgedLimit]) -> dict[str, list[str]]:
+    """Return the names of limits without a probability of conformance, by the reason."""
+    reasons: dict[str, list[str]] = {}
+    for name, each in judged.items():
+        if each.conformance_reason:
+            reasons.setdefault(each.conformance_reason, []).append(name)
+    return reasons
 
 
 def _rules(limits: Mapping[str, Limit]) -> str:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Self
 
-from benchtool.analysis import Measurement, probability
+from benchtool.analysis import Measurement, number, probability, raw, with_expanded
 from benchtool.plan.limits import Limit, Verdict
 
 
@@ -61,6 +61,29 @@ class JudgedLimit:
         return math.nan if self.measured is None else self.limit.headroom(self.measured.value)
 
     @property
+    def conformance_text(self) -> str:
+        """The probability of conformance in words, or why there is none."""
+        if self.conformance is None:
+            return f"no {self.probability_of}: {self.conformance_reason}"
+        return f"{self.probability_of} {probability(self.conformance)}"
+
+    @property
+    def remark(self) -> str:
+        """That no value can pass the limit with such an uncertainty; empty where one can."""
+        uncertainty = None if self.measured is None else self.measured.uncertainty
+        if uncertainty is None or not self.limit.is_narrower(uncertainty.expanded):
+            return ""
+        return (
+            f"no value can pass, as the bounds are closer together than 2 U = "
+            f"{number(2.0 * uncertainty.expanded, 2)}: lower the uncertainty, or set them further apart"
+        )
+
+    @property
+    def probability_of(self) -> str:
+        """What its conformance is the probability of."""
+        return "probability of conformance"
+
+    @property
     def told(self) -> Missed | None:
         """Why the limit was not met, or met within its margin only; None where it was."""
         return None if self.verdict is Verdict.PASS else Missed(self.name, self.verdict, self._reason)
@@ -80,6 +103,7 @@ class JudgedLimit:
         is none."""
         document = self.limit.model_dump(exclude_none=True)
         document |= {"rule": self.limit.rule, "verdict": str(self.verdict)}
+        document |= {"remark": self.remark} if self.remark else {}
         if self.conformance is None:
             return document | {"conformance_reason": self.conformance_reason}
         return document | {"conformance": self.conformance}
@@ -92,9 +116,9 @@ class JudgedLimit:
             return f"was not measured, {limit.bounds} is asked for"
         if not math.isfinite(measured.value):
             return f"is undefined ({measured.reason or measured.definition}), {limit.bounds} is asked for"
-        value = f"is {measured.value:.4g} {measured.unit}".rstrip()
+        value = f"is {with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()
         if self.verdict is Verdict.MARGINAL:
-            return f"{value}, within {limit.margin:g} of its limit {limit.bounds}"
+            return f"{value}, within {raw(limit.margin)} of its limit {limit.bounds}"
         if limit.margin == "U":
             return f"{value}, {self._guarded(measured)}"
         return f"{value}, {limit.shortfall(measured.value)}"
@@ -105,11 +129,11 @@ class JudgedLimit:
         if uncertainty is None or not math.isfinite(uncertainty.expanded):
             why = _without_uncertainty(measured)
             return f'{why}, which margin = "U" of its limit {limit.bounds} needs'
-        place = limit.shortfall(measured.value) or f"{self.headroom:.3g} inside its limit {limit.bounds}"
-        U = f"U = {uncertainty.expanded:.2g} (k = {uncertainty.k:.3g})"
-        if self.conformance is None:
-            return f"{place}, {U}, no probability of conformance: {self.conformance_reason}"
-        return f"{place}, {U}, probability of conformance {probability(self.conformance)}"
+        place = limit.shortfall(measured.value)
+        place = place or f"{raw(self.headroom, 3)} inside its limit {limit.bounds}"
+        apart = f"{'more' if self.verdict is Verdict.FAIL else 'less'} than its U"
+        remark = f"; {self.remark}" if self.remark else ""
+        return f"{place}, {apart}; {self.conformance_text}{remark}"
 
 
 def _without_uncertainty(measured: Measurement | None) -> str:

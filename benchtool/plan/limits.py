@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from benchtool.analysis import raw
 from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
@@ -111,8 +112,8 @@ class Limit(Section):
             most = 0.5 * (self.max - self.min)
             if self.margin > most * (1.0 + _ROUNDING):
                 raise ValueError(
-                    f"margin {self.margin:g} lets no value pass, at most half of max − min is expected, "
-                    f"{most:g}: state a smaller one"
+                    f"margin {raw(self.margin)} lets no value pass, at most half of max − min is expected, "
+                    f"{raw(most)}: state a smaller one"
                 )
         return self
 
@@ -154,28 +155,35 @@ class Limit(Section):
         least, greatest = self.distances(value)
         return min(-least, greatest)
 
+    def is_narrower(self, U: float) -> bool:
+        """Return whether both bounds lie so close together that a guard band of U on each lets no value
+        pass."""
+        if self.margin != "U" or self.min is None or self.max is None:
+            return False
+        return math.isfinite(U) and self.max - self.min < 2.0 * U
+
     def shortfall(self, value: float) -> str:
         """Return the bound that a value violates and by how much; empty if it violates none."""
         if self.min is not None and value < self.min:
-            return f"at least {self.min:g} is asked for: {self.min - value:.3g} too little"
+            return f"at least {raw(self.min)} is asked for: {raw(self.min - value, 3)} too little"
         if self.max is not None and value > self.max:
-            return f"at most {self.max:g} is allowed: {value - self.max:.3g} too much"
+            return f"at most {raw(self.max)} is allowed: {raw(value - self.max, 3)} too much"
         return ""
 
     @property
     def bounds(self) -> str:
         """`≥ 1, ≤ 2`, or `= 1`."""
         if self.min is not None and self.min == self.max:
-            return f"= {self.min:.12g}"
+            return f"= {raw(self.min, 12)}"
         signs = (("≥", self.min), ("≤", self.max))
-        return ", ".join(f"{sign} {bound:.7g}" for sign, bound in signs if bound is not None)
+        return ", ".join(f"{sign} {raw(bound)}" for sign, bound in signs if bound is not None)
 
     @property
     def rule(self) -> str:
         """The decision rule, in words."""
         if self.margin == "U":
             return "guard band U (95 %)"
-        return f"marginal within {self.margin:g}" if self.margin else SIMPLE
+        return f"marginal within {raw(self.margin)}" if self.margin else SIMPLE
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

@@ -21,6 +21,7 @@ from benchtool.block import Block
 from benchtool.plan import Coordinates, JudgedLimit, Limit, Missed, Verdict, worst
 from benchtool.results.agreement import Disagreement, disagreements
 from benchtool.results.calibration import Overdue, stated_overdue
+from benchtool.results.judged_repetitions import LimitsTogether
 from benchtool.results.recorded import Recorded
 
 
@@ -29,7 +30,8 @@ class Assessment:
     """Measurements of a case, verdicts on its limits, and published figures.
 
     `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
-    plan's for each case and, where it sets none, those of the operating point. `without` names analyses that
+    plan's for each case and, where it sets none, those of the operating point; `together` are those that hold
+    for its repetitions together, and not for one by itself. `without` names analyses that
     lack channels, with these. `parameter_check` is the result of `ParameterCheck.to_json`. `refusal` is the
     reason why only the operating point was measured, if that was not reached. `overdue` are the instruments
     whose calibration was due before the run. `findings` are those of each analysis, by its name, and
@@ -54,6 +56,7 @@ class Assessment:
     overdue: tuple[Overdue, ...] = ()
     coordinates: Coordinates = field(default_factory=partial(Coordinates, ""))
     recorded: Recorded | None = None
+    together: LimitsTogether | None = None
 
     @property
     def stream(self) -> str:
@@ -98,11 +101,14 @@ class Assessment:
 
     @property
     def verdict(self) -> Verdict:
+        """The worst of its limits; none of one repetition that meets those of its own, where others hold for
+        all repetitions together."""
         return self._whole(self.verdicts)
 
     def _whole(self, verdicts: Mapping[str, Verdict]) -> Verdict:
         """Return the worst verdict, limits that are waived aside."""
-        return worst(self.limits[name].counted(each) for name, each in verdicts.items())
+        found = worst(self.limits[name].counted(each) for name, each in verdicts.items())
+        return Verdict.NONE if found is Verdict.PASS and self.together is not None else found
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
@@ -131,5 +137,7 @@ class Assessment:
         }
         if self.recorded is not None:
             document["source"] = self.recorded.source(self.capture)
+        if self.together is not None:
+            document["limits_together"] = self.together.to_json()
         document |= stated_overdue(self.overdue)
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})

@@ -39,7 +39,7 @@ from benchtool.results.analyses import measure_all, of_plan, without_channels
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Calibration
 from benchtool.results.common_band import with_common_band
-from benchtool.results.judged_repetitions import limits_alone
+from benchtool.results.judged_repetitions import LimitsTogether, limits_alone
 from benchtool.results.remeasurement import perturbed_readings, remeasured
 
 
@@ -120,6 +120,7 @@ def assess(
         refusal,
         calibration.overdue(name for block in blocks for name in block.names),
         this.coordinates,
+        together=LimitsTogether.of(plan, this.group),
     )
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Self, TypeAlias
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Uncertainty, equally_likely
+from benchtool.analysis import Measurement, Uncertainty, count_of, equally_likely
 from benchtool.plan import NAMES as REACHED, Case, JudgedLimit, Limit, Plan, Verdict
 from benchtool.results.agreement import Disagreement
 from benchtool.telemetry import certificate_units
@@ -21,14 +21,52 @@ _ALIKE = equally_likely(256)  # errors in common
 
 
 @dataclass(frozen=True)
+class LimitsTogether:
+    """Limits that hold for all `count` repetitions of a case together: for their mean, or for the worst of
+    them. One repetition alone does not tell whether they are met."""
+
+    judge: Judge
+    count: int
+    limits: Mapping[str, Limit]
+
+    @classmethod
+    def of(cls, plan: Plan, group: str) -> Self | None:
+        """Return those that a plan sets for a case; None if each repetition is held against all limits."""
+        limits = limits_together(plan, group)
+        if plan.judge == "each" or not limits:
+            return None
+        return cls(plan.judge, plan.repetitions, limits)
+
+    def __str__(self) -> str:
+        """Return the limits, and what each is held against."""
+        bounds = ", ".join(f"{name} {limit.bounds}" for name, limit in self.limits.items())
+        hold = "holds" if len(self.limits) == 1 else "hold"
+        return f"{bounds} {hold} for the {self.judge} of {count_of(self.count, 'repetition')}"
+
+    @property
+    def of_one(self) -> str:
+        """The same beside one repetition, whose own verdict theirs is not."""
+        return f"{self}, of which this is one: measure the folder of the run, which tells"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what is judged, how many repetitions that needs, and the limits with their rules."""
+        limits = {
+            name: limit.model_dump(exclude_none=True) | {"rule": limit.rule}
+            for name, limit in self.limits.items()
+        }
+        return {"judge": self.judge, "repetitions": self.count, "limits": limits}
+
+
+@dataclass(frozen=True)
 class JudgedTogether(JudgedLimit):
-    """A limit held against the repetitions of a case together: against their mean, or the worst of them.
+    """A limit held against the `count` repetitions of a case together: against their mean, or the worst.
 
     `conformance` is of the mean, or the probability that every repetition conforms. `disagreement` is set
     where a transducer contradicts the judged value.
     """
 
     judge: Judge = "mean"
+    count: int = 0
     disagreement: Disagreement | None = None
 
     def of_each(self, found: Sequence[Measurement]) -> Self:
@@ -38,6 +76,13 @@ class JudgedTogether(JudgedLimit):
         conformance = _all_conform(self.limit, found)
         reason = "the uncertainty of a repetition is not known" if conformance is None else ""
         return replace(self, judge="worst", conformance=conformance, conformance_reason=reason)
+
+    @property
+    def probability_of(self) -> str:
+        """What its conformance is the probability of."""
+        if self.judge == "mean":
+            return super().probability_of
+        return f"probability that all {self.count} repetitions conform"
 
     @property
     def verdict_by_transducer(self) -> Verdict:

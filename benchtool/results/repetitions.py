@@ -179,7 +179,7 @@ class _Group:
     def _judged(self, name: str, limit: Limit) -> JudgedTogether:
         """Hold a limit against the value that it applies to, and that against the transducer's."""
         value, on_shaft = self._value(name, limit), self._value(transducer_name(name), limit)
-        held = JudgedTogether.of(name, limit, value)
+        held = replace(JudgedTogether.of(name, limit, value), count=self.count)
         if self.judge == "worst":
             held = held.of_each(self.found.get(name, ()))
         both = tuple(each for each in (value, on_shaft) if each is not None)

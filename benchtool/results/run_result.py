@@ -9,6 +9,7 @@ from typing import Any
 from benchtool.plan import Missed, Verdict, worst
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
+from benchtool.results.judged_repetitions import LimitsTogether
 from benchtool.results.repetitions import Repeated, judged_together
 
 
@@ -24,6 +25,13 @@ class RunResult:
         return worst((*(each.verdict for each in self.assessments), self._verdict_together))
 
     @property
+    def unjudged(self) -> Mapping[str, LimitsTogether]:
+        """Limits that hold for repetitions of which one alone is here, by the name of that."""
+        if self.repeated:
+            return {}
+        return {each.case: each.together for each in self.assessments if each.together is not None}
+
+    @property
     def missed(self) -> tuple[tuple[str, Missed], ...]:
         """The limits over repetitions that were not met, each with its case."""
         judged = judged_together(self.repeated)
@@ -36,14 +44,16 @@ class RunResult:
 
     @property
     def _verdict_together(self) -> Verdict:
-        return worst(each.counted for _, each in judged_together(self.repeated))
+        unjudged = [Verdict.UNDECIDED] if self.unjudged else []
+        return worst((*(each.counted for _, each in judged_together(self.repeated)), *unjudged))
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
         """As that of the cases; None where none has a transducer."""
         found = [each.verdict_by_transducer for each in self.assessments]
         known = [verdict for verdict in found if verdict is not None]
-        together = (each.verdict_by_transducer for _, each in judged_together(self.repeated))
+        together = [each.verdict_by_transducer for _, each in judged_together(self.repeated)]
+        together += [Verdict.UNDECIDED] if self.unjudged else []
         return worst((*known, *together)) if known else None
 
     def to_json(self) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
 from benchtool.results.recordings import Selection, assess_recording
-from benchtool.results.repetitions import Repeated, judged_together, over_repetitions
+from benchtool.results.repetitions import Repeated, over_repetitions
 from benchtool.results.run_result import RunResult
 from benchtool.results.tables import assess_table, is_table
 
@@ -54,18 +54,22 @@ class RecordedCase:
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """The cases of one plan, in the order in which they ran; `name` is empty where there is one plan only."""
+    """The cases of one plan, in the order in which they ran; `name` is empty where there is one plan only.
+
+    `lone` tells that the bundle of one case was asked for by itself, and not its run.
+    """
 
     name: str
     folder: Path
     cases: tuple[RecordedCase, ...]
+    lone: bool = False
 
     @cached_property
     def repeated(self) -> Mapping[str, tuple[Repeated, ...]]:
         """The repetitions of each case together. For a run with missing cases only the limits over
-        repetitions are listed, as missed."""
+        repetitions are listed, as missed; for a lone one nothing."""
         measured = {case.name: case.assessment.measurements for case in self.cases if case.assessment}
-        if not measured:
+        if self.lone or not measured:
             return {}
         carrier = next(case.bundle for case in self.cases if case.assessment)
         if not is_planned(carrier):
@@ -89,16 +93,19 @@ class RecordedRun:
         there = {case.name for case in self.cases}
         return () if len(planned) == 1 else tuple(case.name for case in planned if case.name not in there)
 
+    @cached_property
+    def result(self) -> RunResult:
+        """What its measured cases come to, as when the run was made."""
+        return RunResult(tuple(case.assessment for case in self.cases if case.assessment), self.repeated)
+
     @property
     def verdict(self) -> Verdict:
-        together = (each.counted for _, each in judged_together(self.repeated))
-        return worst((*(case.verdict for case in self.cases), *together))
+        return worst((*(case.verdict for case in self.cases), self.result.verdict))
 
     @property
     def verdict_by_transducer(self) -> Verdict | None:
         """As that of the run when it was made; None where no case has a transducer."""
-        assessed = tuple(case.assessment for case in self.cases if case.assessment)
-        return RunResult(assessed, self.repeated).verdict_by_transducer
+        return self.result.verdict_by_transducer
 
 
 def recorded_runs(folder: Path, selection: Selection | None = None) -> tuple[RecordedRun, ...]:
@@ -114,7 +121,7 @@ def recorded_runs(folder: Path, selection: Selection | None = None) -> tuple[Rec
     """
     bundles = recorded_bundles(folder)
     if bundles[0].directory == folder:
-        return (RecordedRun("", folder, tuple(_cases(bundles[0], selection))),)
+        return (RecordedRun("", folder, tuple(_cases(bundles[0], selection)), lone=True),)
     if selection is not None and not selection.everything:
         raise UsageError(
             f"{folder} is no single bundle, of which a part can be measured: give one of those in it"

@@ -8,7 +8,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from benchtool.analysis.numbers import count_of, number, probability, raw, signed, stated
+from benchtool.analysis.numbers import count_of, degrees, number, probability, raw, signed, stated
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,7 @@ from benchtool.analysis.numbers import count_of, number, probability, raw, signe
         (40326.0, "40326"),
         (9999.87, "10000"),
         (1.25e7 + 0.5, "1.250 × 10⁷"),
+        (3e-54, "0"),
         (math.nan, "–"),
         (-math.inf, "–"),
     ],
@@ -46,6 +47,8 @@ def test_four_significant_digits(value: float, text: str) -> None:
         (0.65, math.nan, "0.6500"),
         (math.nan, 0.1, "–"),
         (-3e-5, 0.0041, "0.0000 ± 0.0041"),
+        (0.0, 1.2e-54, "0"),
+        (0.65, 1e-40, "0.6500"),
     ],
 )
 def test_the_uncertainty_decides_the_digits(value: float, standard: float | None, text: str) -> None:
@@ -74,6 +77,37 @@ def test_differences_have_a_sign_and_settings_no_further_digits() -> None:
     assert raw(0.06) == "0.06"
     assert raw(True) == "true"
     assert raw("tpc") == "tpc"
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1e7, 7, "10000000"),
+        (6999.87, 3, "7000"),
+        (1e-6, 7, "1 × 10⁻⁶"),
+        (-2.5e-7, 7, "−2.5 × 10⁻⁷"),
+        (4.5e12, 7, "4.5 × 10¹²"),
+        (4294967295.0, 12, "4294967295"),
+        (1.0, 7, "1"),
+    ],
+)
+def test_a_number_as_given_has_no_exponent_of_a_programme(value: float, digits: int, text: str) -> None:
+    assert raw(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("dof", "text"),
+    [
+        (math.inf, "∞"),
+        (18.0, "18"),
+        (2.3456, "2.35"),
+        (16.0321, "16"),
+        (1237.2, "1237"),
+        (88353.27, "88353"),
+    ],
+)
+def test_degrees_of_freedom_are_whole_where_they_are_many(dof: float, text: str) -> None:
+    assert degrees(dof) == text
 
 
 @pytest.mark.parametrize(

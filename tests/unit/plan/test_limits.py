@@ -111,7 +111,7 @@ def test_the_rule_is_stated() -> None:
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
     assert str(JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed) == (
-        "x is 1.95 Nm, 0.05 inside its limit ≤ 2, U = 0.098 (k = 1.96), probability of conformance 0.841"
+        "x is 1.950 ± 0.098 Nm, 0.05 inside its limit ≤ 2, less than its U; probability of conformance 0.841"
     )
 
 
@@ -176,13 +176,21 @@ def test_a_limit_without_a_probability_says_why(
     [
         (Limit(max=2.0), None, Verdict.FAIL, "was not measured, ≤ 2 is asked for"),
         (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 is asked for"),
-        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.95 Nm, within 0.1 of its limit ≤ 2"),
+        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 of its limit ≤ 2"),
         (
             Limit(min=1.0, max=2.0, margin=0.1),
-            *(1.95, Verdict.MARGINAL, "is 1.95 Nm, within 0.1 of its limit ≥ 1, ≤ 2"),
+            *(1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 of its limit ≥ 1, ≤ 2"),
         ),
-        (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.5 Nm, at most 2 is allowed: 0.5 too much"),
-        (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.5 Nm, at least 2 is asked for: 0.5 too little"),
+        (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.500 Nm, at most 2 is allowed: 0.5 too much"),
+        (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.500 Nm, at least 2 is asked for: 0.5 too little"),
+        (
+            Limit(max=12345678.0),
+            *(12355678.0, Verdict.FAIL, "is 12355678 Nm, at most 12345680 is allowed: 10000 too much"),
+        ),
+        (
+            Limit(max=1e-6),
+            *(0.5, Verdict.FAIL, "is 0.5000 Nm, at most 1 × 10⁻⁶ is allowed: 0.5 too much"),
+        ),
     ],
 )
 def test_a_limit_that_was_missed_says_by_how_much(
@@ -192,6 +200,27 @@ def test_a_limit_that_was_missed_says_by_how_much(
     found = JudgedLimit.of("x", limit, measured).missed
     assert found == Missed("x", verdict, reason)
     assert str(found) == f"x {reason}"
+
+
+@pytest.mark.parametrize(
+    ("limit", "U", "impossible"),
+    [
+        (Limit(min=1.0, max=1.19, margin="U"), 0.1, True),
+        (Limit(min=1.0, max=1.21, margin="U"), 0.1, False),
+        (Limit(min=1.0, max=1.01, margin="U"), math.inf, False),
+        (Limit(min=1.0, max=1.01), 0.1, False),
+        (Limit(max=1.01, margin="U"), 0.1, False),
+    ],
+)
+def test_bounds_closer_than_a_guard_band_on_each_are_said_to_let_nothing_pass(
+    limit: Limit, U: float, impossible: bool
+) -> None:
+    measured = Measurement("x", 1.1, "Nm", "", uncertainty=_U(U))
+    judged = JudgedLimit.of("x", limit, measured)
+    assert ("no value can pass, as the bounds are closer together than 2 U = 0.20" in str(judged.told)) is (
+        impossible
+    )
+    assert ("remark" in judged.to_json()) is impossible
 
 
 @pytest.mark.parametrize(("value", "told"), [(1.99, "0.579"), (2.5, "< 0.001")])

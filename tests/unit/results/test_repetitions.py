@@ -160,7 +160,7 @@ def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> N
 def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
     found = _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(max=1.05))
     assert found.verdict is Verdict.FAIL
-    assert str(found.missed) == "torque_mean is 1.1 Nm, at most 1.05 is allowed: 0.05 too much"
+    assert str(found.missed) == "torque_mean is 1.100 ± 0.020 Nm, at most 1.05 is allowed: 0.05 too much"
     assert _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(min=0.8)).verdict is Verdict.PASS
 
 
@@ -202,7 +202,7 @@ def test_the_worst_states_the_probability_of_all() -> None:
     alone = [float(stats.norm.cdf((1.05 - value) / 0.05)) for value in (0.96, 0.99, 1.01)]
     assert found.conformance == pytest.approx(math.prod(alone), rel=1e-6)
     assert found.to_json()["conformance"] == found.conformance
-    assert f"probability of conformance {found.conformance:.3f}" in str(found.missed)
+    assert f"probability that all 3 repetitions conform {found.conformance:.3f}" in str(found.missed)
 
 
 @pytest.mark.parametrize("other", [None, Uncertainty(math.nan, "")])
