@@ -15,6 +15,7 @@ from benchtool.analysis.distributions import (
 )
 
 _MANY = 1e6  # degrees of freedom: k of infinitely many is less by a millionth
+_WHOLE = 1000.0  # from so many degrees of freedom on, k does not show parts of one
 
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
@@ -75,6 +76,13 @@ class Contribution:
         """Standard uncertainty without what few observations add, which Student's factor covers."""
         return self.standard / students_deviation(self.dof) if self.of_student else self.standard
 
+    @property
+    def of(self) -> str:
+        """What contributes, in a few words: the effect and the channel of an instrument."""
+        return (
+            self.name if self.instrument is None else f"{self.instrument.effect} of {self.instrument.channel}"
+        )
+
     def power(self, value: float) -> float:
         """Return the power that makes the result `value` larger by this, where it `adds_power`."""
         return self.standard * (2.0 * abs(value) - self.standard)
@@ -102,10 +110,11 @@ class Contribution:
 class Uncertainty:
     """Combined standard uncertainty of a result, in its unit (JCGM 100:2008, 2.3.1 and 2.3.4).
 
-    `source` states what it was estimated from, and thus what it does not contain. `dof` are the effective
-    degrees of freedom, `budget` the contributions: where it is left out, the one of type A that the source
-    says. `half_width` is half of the interval that covers 95 % where a derived distribution gives one; it is
-    then the expanded uncertainty in place of a multiple from Student's distribution.
+    `source` states what it was estimated from, the larger part first, and thus what it does not contain.
+    `dof` are the effective degrees of freedom, `budget` the contributions: where it is left out, the one of
+    type A that the source says. `half_width` is half of the interval that covers 95 % where a derived
+    distribution gives one; it is then the expanded uncertainty in place of a multiple from Student's
+    distribution.
     """
 
     standard: float
@@ -134,8 +143,15 @@ class Uncertainty:
         return math.sqrt(max(0.0, self.standard**2 - twice)) if twice else self.standard
 
     @property
+    def student_factor(self) -> float | None:
+        """Student's factor of 95 % and these degrees of freedom, U over the experimental standard uncertainty
+        (JCGM 100:2008, G.3.2); None where U is half of the interval of a derived distribution."""
+        return None if self.half_width is not None else coverage_factor(self.dof)
+
+    @property
     def k(self) -> float:
-        """Coverage factor, U over the standard uncertainty (JCGM 100:2008, 2.3.6)."""
+        """Coverage factor, U over the standard uncertainty (JCGM 100:2008, 2.3.6). Where few observations
+        add to that it is less than Student's factor."""
         if self.standard > 0.0 and math.isfinite(self.standard):
             return self.expanded / self.standard
         return coverage_factor(self.dof)
@@ -184,7 +200,11 @@ class Uncertainty:
         if not errors:
             return self
         added = math.hypot(*(each.standard for each in errors))
-        return self._with(self.standard**2 + added**2, added, (*self.budget, *errors))
+        found = self._with(self.standard**2 + added**2, added, (*self.budget, *errors))
+        parts = [self.source, *dict.fromkeys(each.of for each in errors)]
+        if added > self.standard:
+            parts = [*parts[1:], parts[0]]
+        return replace(found, source=", ".join(filter(None, parts)))
 
     def without(self, errors: Sequence[Contribution]) -> Uncertainty:
         """That which is left without some lines of the budget, of infinite degrees of freedom."""
@@ -224,10 +244,13 @@ class Uncertainty:
         return Uncertainty(math.sqrt(square), self.source, dof, budget, width)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the fields and `k`, `coverage` and `expanded` besides; what is not finite is null."""
+        """Return the fields, with what U is computed from and what covers how much; what is not finite is
+        null."""
         document: dict[str, Any] = {
             "standard": _finite(self.standard),
+            "experimental": _finite(self.experimental),
             "dof": self.dof if self.dof < _MANY else None,
+            "student_factor": self.student_factor,
             "k": _finite(self.k),
             "coverage": COVERAGE,
             "expanded": _finite(self.expanded),
@@ -330,8 +353,11 @@ def _in_common(one: Uncertainty, two: Uncertainty) -> list[tuple[Contribution, C
 
 def _effective(square: float, fourth: float) -> float:
     """Return the effective degrees of freedom, of the sums u^2 and u_i^4 / dof_i (JCGM 100:2008, G.4.1);
-    infinite where they are so many that k is that of infinitely many."""
-    return float(f"{square**2 / fourth:.12g}") if fourth * _MANY > square**2 else math.inf
+    infinite where they are so many that k is that of infinitely many. Further digits do not show in k."""
+    if not fourth * _MANY > square**2:
+        return math.inf
+    dof = square**2 / fourth
+    return float(round(dof)) if dof > _WHOLE else float(f"{dof:.7g}")
 
 
 def coverage_factor(dof: float) -> float:

@@ -13,7 +13,10 @@ from benchtool.analysis import (
     Measurement,
     Table,
     Uncertainty,
+    count_of,
+    degrees,
     number,
+    placed,
     probability,
     raw,
     signed,
@@ -24,7 +27,13 @@ from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 from benchtool.results import Delta
 
 _SHOWN_ROWS = 10
-_GAPS = {0: "no gaps", 1: "1 gap"}
+_ALIKE = 0.005  # relative: standard uncertainties that are the same to two digits
+_OF_BUDGETS: Final = (
+    "U = t s: s is the experimental standard uncertainty and t Student's factor of the effective degrees of "
+    "freedom (JCGM 100:2008, G.4.1). Without t, U is half of the interval of a derived distribution.",
+    "u is the standard deviation, which is larger than s where few observations tell it: "
+    "s sqrt(dof / (dof − 2)) of type A (JCGM 101:2008, 6.4.9.4), so that ±2u holds about 95 % too.",
+)
 _MARKS: Final[Mapping[Verdict, Mark]] = {
     Verdict.NONE: "none",
     Verdict.PASS: "pass",
@@ -50,7 +59,7 @@ def limits_section(judged: Collection[JudgedLimit]) -> Section:
         return Section("Limits and verdicts", (Text("The plan sets no limits.", "note"),))
     headings = (
         "measurement",
-        ">value ± U (k)",
+        ">value ± U (95 %)",
         "unit",
         "limit",
         "decision rule",
@@ -58,13 +67,19 @@ def limits_section(judged: Collection[JudgedLimit]) -> Section:
         ">P",
         "verdict",
     )
-    notes = [Text("P is the probability of conformance, by the measurement alone.", "note")]
-    notes += [
-        Text(f"No P of {each.name}: {each.conformance_reason.rstrip('.')}.", "note")
-        for each in judged
-        if each.conformance_reason
-    ]
-    return Section("Limits and verdicts", (Grid.of(headings, [_limit_row(each) for each in judged]), *notes))
+    grid = Grid.of(headings, [_limit_row(each) for each in judged])
+    return Section("Limits and verdicts", (grid, *conformance_notes(judged)))
+
+
+def conformance_notes(judged: Collection[JudgedLimit]) -> Iterator[Text]:
+    """Yield what P is the probability of, why some limits have none, and which of them no value can pass."""
+    for meaning in dict.fromkeys(each.probability_of for each in judged):
+        yield Text(f"P is the {meaning}, by the measurement alone.", "note")
+    for each in judged:
+        if each.conformance_reason:
+            yield Text(f"No P of {each.name}: {each.conformance_reason.rstrip('.')}.", "note")
+        if each.remark:
+            yield Text(f"{each.name}: {each.remark}.", "warning")
 
 
 def _limit_row(judged: JudgedLimit) -> tuple[str | Cell, ...]:
@@ -72,11 +87,11 @@ def _limit_row(judged: JudgedLimit) -> tuple[str | Cell, ...]:
     if measured is not None and math.isfinite(measured.value):
         stated = (bound for bound in (limit.min, limit.max) if bound is not None)
         nearer = min(stated, key=lambda bound: abs(measured.value - bound))
-        share = f" ({100 * judged.headroom / abs(nearer):.2g} %)".replace("-", "−") if nearer else ""
-        left = number(judged.headroom, 3) + share
+        share = f" ({raw(100.0 * judged.headroom / abs(nearer), 2)} %)" if nearer else ""
+        left = raw(judged.headroom, 3) + share
     return (
         judged.name,
-        value_with_k(measured),
+        judged_value(measured),
         measured.unit if measured else "",
         *(bounds_of(limit), limit.rule, left, conformance_of(judged), verdict_cell(judged)),
     )
@@ -92,14 +107,9 @@ def conformance_of(judged: JudgedLimit) -> str:
     return NOTHING if judged.conformance is None else probability(judged.conformance)
 
 
-def value_with_k(measured: Measurement | None) -> str:
-    """Return a value that a limit is held against, with its expanded uncertainty and the factor k of that."""
-    if measured is None:
-        return "not measured"
-    uncertainty = measured.uncertainty
-    if uncertainty is None or not 0.0 < uncertainty.expanded < math.inf:
-        return _value(measured)
-    return f"{_value(measured)} ({uncertainty.k:.3g})"
+def judged_value(measured: Measurement | None) -> str:
+    """Return a value that a limit is held against, with its expanded uncertainty."""
+    return "not measured" if measured is None else _value(measured)
 
 
 def measurements_section(
@@ -132,32 +142,39 @@ def measurements_section(
 
 
 def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
-    """Return k, degrees of freedom and the budget of every uncertainty: its contributions of type A and B."""
+    """Return the budget of every uncertainty: its contributions of type A and B, degrees of freedom, and how
+    they come to U."""
     rows: list[tuple[str | Cell, ...]] = []
     for each in measurements:
         known = each.uncertainty
         if known is not None and math.isfinite(each.value):
-            k = f"{known.k:.3g}" if known.expanded > 0.0 else NOTHING
-            whole = number(known.standard, 2), each.unit, _degrees(known.dof), k
-            rows.append((each.name, "combined", known.source, *whole))
+            rows.append((each.name, "combined", known.source, *_whole(known, each.unit)))
             rows += [
                 (
-                    "",
-                    f"type {line.evaluation}",
-                    line.name,
-                    number(line.standard, 2),
-                    each.unit,
-                    _degrees(line.dof),
-                    "",
+                    *("", f"type {line.evaluation}", line.name),
+                    *(number(line.experimental, 2), number(line.standard, 2), each.unit, degrees(line.dof)),
+                    *("", "", ""),
                 )
                 for line in known.budget
             ]
-    headings = ("measurement", "", "contribution", ">u", "unit", ">degrees of freedom", ">k")
-    return Section("Uncertainty budgets", (Grid.of(headings, rows, shown=_SHOWN_ROWS),)) if rows else None
+    headings = (
+        *("measurement", "", "contribution", ">s", ">u", "unit"),
+        *(">degrees of freedom", ">t", ">U (95 %)", ">k = U/u"),
+    )
+    if not rows:
+        return None
+    items = (Grid.of(headings, rows, shown=_SHOWN_ROWS), *(Text(each, "note") for each in _OF_BUDGETS))
+    return Section("Uncertainty budgets", items)
 
 
-def _degrees(dof: float) -> str:
-    return f"{dof:.3g}" if math.isfinite(dof) else "∞"
+def _whole(known: Uncertainty, unit: str) -> tuple[str, ...]:
+    """Return s, u, unit, degrees of freedom, t, U and k of an uncertainty."""
+    t, U = known.student_factor, known.expanded
+    return (
+        *(number(known.experimental, 2), number(known.standard, 2), unit, degrees(known.dof)),
+        NOTHING if t is None else number(t, 3),
+        *(number(U, 2), number(known.k, 3) if U > 0.0 else NOTHING),
+    )
 
 
 def tables_section(tables: Sequence[Table]) -> Section | None:
@@ -196,8 +213,9 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
     if measured.uncertainty is not None:
         yield from _uncertainty_notes(measured.uncertainty, f" {measured.unit}" if measured.unit else "")
     if (correction := measured.correction) is not None:
-        read = f"{number(measured.as_read)} {measured.unit}".rstrip()
-        yield f"Corrected by {number(correction.added, 2)} from {read} as read: {correction.of}."
+        read = f"{placed(measured.as_read, abs(correction.added))} {measured.unit}".rstrip()
+        added = f"{number(correction.added, 2)} {measured.unit}".rstrip()
+        yield f"Corrected by {added} from {read} as read: {correction.of}."
     if (further := measured.repeatability) is not None:
         yield (
             f"Of another record of this state, besides, u = {number(further.standard, 2)} {measured.unit}: "
@@ -206,12 +224,25 @@ def measurement_notes(measured: Measurement) -> Iterator[str]:
 
 
 def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
-    """Yield the expanded and standard uncertainty with k and degrees of freedom; the appendix has the
+    """Yield the expanded uncertainty, what it is a multiple of, and its source; the appendix has the
     budget."""
-    U, u = number(uncertainty.expanded, 2), number(uncertainty.standard, 2)
-    dof = f", {uncertainty.dof:.3g} degrees of freedom" if math.isfinite(uncertainty.dof) else ""
-    source = uncertainty.source.rstrip(".")
-    yield f"U = {U}{unit} covers 95 %, k = {uncertainty.k:.3g}, u = {u}{unit}{dof}: {source}."
+    U, u, t = number(uncertainty.expanded, 2), number(uncertainty.standard, 2), uncertainty.student_factor
+    source, k = uncertainty.source.rstrip("."), number(uncertainty.k, 3)
+    if t is None:
+        how = f"half of the interval of a derived distribution; u = {u}{unit}, k = U/u = {k}"
+    elif math.isclose(uncertainty.experimental, uncertainty.standard, rel_tol=_ALIKE):
+        how = f"k = {k}, u = {u}{unit}{_with(uncertainty.dof)}"
+    else:
+        s = number(uncertainty.experimental, 2)
+        how = (
+            f"{number(t, 3)} times the experimental standard uncertainty {s}{unit}{_with(uncertainty.dof)}; "
+            f"few observations make the standard deviation u = {u}{unit}, k = U/u = {k}"
+        )
+    yield f"U = {U}{unit} covers 95 %, {how}: {source}."
+
+
+def _with(dof: float) -> str:
+    return f" with {degrees(dof)} degrees of freedom" if math.isfinite(dof) else ""
 
 
 def basis_text(basis: Basis) -> str:
@@ -220,7 +251,7 @@ def basis_text(basis: Basis) -> str:
     if basis.samples is not None:
         rate = f" at {raw(basis.sample_rate_Hz)} Hz" if basis.sample_rate_Hz is not None else ""
         over = f" over {raw(basis.duration_s)} s" if basis.duration_s is not None else ""
-        parts.append(f"{number(basis.samples, 7)} samples{rate}{over}")
+        parts.append(f"{count_of(round(basis.samples), 'sample')}{rate}{over}")
     else:
         parts += [f"sampled at {raw(basis.sample_rate_Hz)} Hz"] if basis.sample_rate_Hz is not None else []
         parts += [f"{raw(basis.duration_s)} s"] if basis.duration_s is not None else []
@@ -233,7 +264,7 @@ def basis_text(basis: Basis) -> str:
     if basis.reference:
         parts.append(f"relative to {basis.reference}")
     if basis.gaps is not None:
-        parts.append(_GAPS.get(basis.gaps, f"{basis.gaps} gaps"))
+        parts.append(count_of(basis.gaps, "gap") if basis.gaps else "no gaps")
     if basis.sensors:
         parts.append(basis.sensors)
     return f"Basis: {'; '.join(parts)}." if parts else ""

@@ -54,17 +54,24 @@ class Uncertainty(Document):
     """The uncertainty of a measurement in the terms of the GUM (JCGM 100:2008)."""
 
     standard: float | None
-    """Combined standard uncertainty u."""
+    """Combined standard uncertainty u: a standard deviation, to which few observations add (JCGM 101:2008,
+    6.4.9.4), so that ±2u holds about 95 % of few as of many."""
+    experimental: float | None
+    """Experimental standard uncertainty s: the same by the experimental standard deviations of the
+    contributions of type A (JCGM 100:2008, 4.2.3), without what few observations add."""
     dof: float | None
     """Effective degrees of freedom; null for infinitely many."""
+    student_factor: float | None
+    """Student's factor t of 95 % and these degrees of freedom (JCGM 100:2008, G.3.2): U = t s. Null where
+    there is a half_width, which U is then."""
     k: float | None
-    """Coverage factor."""
+    """Coverage factor U / u: t where few observations add nothing to u, else less."""
     coverage: float
     """Probability that the interval covers the value: 0.95."""
     expanded: float | None
     """Expanded uncertainty U."""
     source: str
-    """What it was estimated from."""
+    """What it was estimated from, the larger part first."""
     half_width: float | None = None
     """Half of the interval, where its distribution is not Student's."""
     budget: list[Contribution] | None = None
@@ -183,6 +190,8 @@ class LimitDocument(Document):
     """Decision rule in words."""
     verdict: VerdictWord
     """Verdict on the measurement."""
+    remark: str | None = None
+    """That no value can pass, with bounds closer together than 2 U."""
     conformance: float | None = None
     """Probability that the true value lies within the bounds."""
     conformance_reason: str | None = None
@@ -229,6 +238,36 @@ class Overdue(Document):
     """Day of the run."""
 
 
+class LimitOfRepetitions(Document):
+    """A limit that holds for all repetitions of a case together."""
+
+    min: float | None = None
+    """Least value."""
+    max: float | None = None
+    """Greatest value."""
+    margin: float | Literal["U"]
+    """Margin of the plan."""
+    unit: str | None = None
+    """Unit, where the plan states it."""
+    rule: str
+    """Decision rule in words."""
+    requirement: str | None = None
+    """Requirement that the limit is evidence for."""
+    waived: dict[str, str] | None = None
+    """Of a limit that need not be met: `reason`, and `by` whom."""
+
+
+class LimitsTogether(Document):
+    """Limits that one repetition of a case is not held against alone."""
+
+    judge: Literal["mean", "worst"]
+    """What of the repetitions is held against them."""
+    repetitions: int
+    """Number of repetitions that belong together."""
+    limits: dict[str, LimitOfRepetitions]
+    """Limits by measurement; the verdicts are those of `repeated`."""
+
+
 class Case(Document):
     """One case: what was measured and judged."""
 
@@ -237,7 +276,7 @@ class Case(Document):
     coordinates: Coordinates
     """Where it stands in the plan."""
     verdict: VerdictWord
-    """Verdict by the drive's own estimate."""
+    """Verdict by the drive's own estimate; none where `limits` are met and there are `limits_together`."""
     verdict_by_transducer: VerdictWord | None
     """Verdict by the torque transducer, where there is one."""
     missed: list[str]
@@ -264,6 +303,8 @@ class Case(Document):
     """Instruments whose calibration was due."""
     tables: dict[str, ResultTable] | None = None
     """Results that are tables, by name."""
+    limits_together: LimitsTogether | None = None
+    """Limits that hold for the repetitions of this case together."""
 
 
 class RepeatedDocument(Document):
@@ -291,7 +332,8 @@ class Run(Document):
     """`demo`, `run` of one plan, and `analyze` of a run."""
 
     verdict: VerdictWord
-    """The worst verdict of the cases."""
+    """The worst verdict of the cases and of their repetitions together; undecided of one repetition alone,
+    where limits hold for all together."""
     verdict_by_transducer: VerdictWord | None
     """The same by the torque transducer."""
     cases: dict[str, Case]

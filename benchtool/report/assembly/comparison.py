@@ -21,9 +21,9 @@ from benchtool.report.results import (
     bounds_of,
     conformance_of,
     difference,
+    judged_value,
     mark,
     measurement_notes,
-    value_with_k,
     verdict_cell,
 )
 from benchtool.results import (
@@ -111,13 +111,22 @@ def _limits_together(comparison: SideBySide[RepeatedCase]) -> Iterator[Item]:
     rows = [
         (
             *(each.name, label, bounds_of(each.limit), each.limit.rule),
-            *("" if each.measured is None else each.measured.definition, value_with_k(each.measured)),
+            *("" if each.measured is None else each.measured.definition, judged_value(each.measured)),
             *(conformance_of(each), verdict_cell(each)),
         )
         for label, result in comparison.results.items()
         for each in result.judged
     ]
-    headings = ("measurement", "run", "limit", "decision rule", "judged", ">value ± U (k)", ">P", "verdict")
+    headings = (
+        "measurement",
+        "run",
+        "limit",
+        "decision rule",
+        "judged",
+        ">value ± U (95 %)",
+        ">P",
+        "verdict",
+    )
     if rows:
         yield Section("Limits over the repetitions", (Grid.of(headings, rows),))
 

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import number, raw
+from benchtool.analysis import NOTHING, count_of, raw
 from benchtool.block import Block
 from benchtool.plan import JudgedLimit, Verdict, worst
 from benchtool.profile import Bench, Profile
@@ -19,7 +19,7 @@ from benchtool.report.assembly.case import coordinates, failure, remarks, unmeas
 from benchtool.report.assembly.recording import recording_items
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of, settings_line, supervision_notes
-from benchtool.report.results import bounds_of, limits_section, mark, value_with_k, verdict_cell
+from benchtool.report.results import bounds_of, judged_value, limits_section, mark, verdict_cell
 from benchtool.results import RecordedCase, RecordedRun, judged_together, overdue_text, waived_limits
 
 _WORDS: Final[dict[Verdict, str]] = {
@@ -40,6 +40,8 @@ def front_items(runs: Sequence[RecordedRun]) -> Iterator[Item]:
     together = [each.verdict for run in runs for _, each in judged_together(run.repeated)]
     shaft = worst(by for run in runs if (by := run.verdict_by_transducer) is not None)
     yield banner(worst(run.verdict for run in runs), shaft, found, together)
+    for run in runs:
+        yield from (Text(f"Undecided: {each.of_one}.", "warning") for each in run.result.unjudged.values())
     yield from supervision_notes(case.bundle.manifest for case in found)
     if len(found) == 1:
         yield from failure(found[0])
@@ -70,11 +72,11 @@ def banner(
     parts = []
     if limits:
         met = sum(each.met for each in limits)
-        parts.append(f"{met} of {len(limits)} limits met")
+        tight = sum(each is Verdict.MARGINAL for each in limits)
+        marginally = f" ({tight} of them marginally)" if tight else ""
+        parts.append(f"{met} of {count_of(len(limits), 'limit')} met{marginally}")
         if undecided := sum(each is Verdict.UNDECIDED for each in limits):
             parts.append(f"{undecided} undecided")
-        if tight := sum(each is Verdict.MARGINAL for each in limits):
-            parts.append(f"{tight} of them marginally")
     else:
         parts.append("no limits were set")
     if failures:
@@ -254,11 +256,16 @@ def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
     for run in runs:
         for case in run.cases:
             result = case.assessment
-            of_plan = case.bundle.manifest.details.get("plan", {}).get("requirements", ())
-            for requirement in of_plan:
-                found.setdefault(str(requirement), []).append((case.name, case.verdict))
+            for requirement in _required(case):
+                found.setdefault(requirement, []).append((case.name, case.verdict))
             held += [] if result is None else [(case.name, each) for each in result.judged.values()]
-        held += judged_together(run.repeated)
+        together = list(judged_together(run.repeated))
+        held += together
+        of_plan = {requirement for case in run.cases for requirement in _required(case)}
+        evidence = [(f"{group}: {each.name}", each.counted) for group, each in together]
+        evidence += [(f"{case}: {each}", Verdict.UNDECIDED) for case, each in run.result.unjudged.items()]
+        for requirement in of_plan:
+            found[requirement] += evidence
     for place, each in held:
         if each.limit.requirement:
             waived = " (waived)" if each.waived else ""
@@ -271,6 +278,11 @@ def requirements_section(runs: Sequence[RecordedRun]) -> Section | None:
         verdict = worst(each for _, each in evidence)
         rows.append((requirement, Cell(str(verdict), mark(verdict)), ", ".join(name for name, _ in evidence)))
     return Section("Requirements", (Grid.of(("requirement", "verdict", "evidence"), rows),))
+
+
+def _required(case: RecordedCase) -> tuple[str, ...]:
+    """Return the requirements that the plan of a case is evidence for."""
+    return tuple(map(str, case.bundle.manifest.details.get("plan", {}).get("requirements", ())))
 
 
 def _open(case: RecordedCase) -> Iterator[str]:
@@ -287,7 +299,7 @@ def _judged_together(runs: Sequence[RecordedRun]) -> Section:
         "measurement",
         "limit",
         "decision rule",
-        ">worst value ± U (k)",
+        ">worst value ± U (95 %)",
         "in case",
         ">margin left",
         "verdicts",
@@ -321,8 +333,8 @@ def _row_of(
 ) -> tuple[str | Cell, ...]:
     unit = "" if judged.measured is None else f" {judged.measured.unit}".rstrip()
     return (
-        *(f"{prefix}{judged.name}", limit, judged.limit.rule, f"{value_with_k(judged.measured)}{unit}"),
-        *(place, number(judged.headroom, 3), verdict),
+        *(f"{prefix}{judged.name}", limit, judged.limit.rule, f"{judged_value(judged.measured)}{unit}"),
+        *(place, raw(judged.headroom, 3) if math.isfinite(judged.headroom) else NOTHING, verdict),
     )
 
 

@@ -12,12 +12,21 @@ from benchtool.report.assembly.figures import run_figures
 from benchtool.report.assembly.pictures import picture
 from benchtool.report.assembly.recording import plan_of
 from benchtool.report.content import Cell, Grid, Item, Section, Text
-from benchtool.report.results import bounds_of, conformance_of, mark
-from benchtool.results import RecordedCase, RecordedRun, Repeated
+from benchtool.report.results import (
+    bounds_of,
+    budgets_section,
+    conformance_notes,
+    conformance_of,
+    judged_value,
+    mark,
+    verdict_cell,
+)
+from benchtool.results import JudgedTogether, RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
 _FEW_CASES = 4
-_REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">n", "limit", "verdict")
+_REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">n")
+_JUDGED = (">judged ± U (95 %)", "limit", "decision rule", ">P", "verdict")
 _WELL = (Verdict.NONE, Verdict.PASS)
 
 
@@ -80,28 +89,49 @@ def _over_repetitions(run: RecordedRun, names: Sequence[str]) -> Iterator[Item]:
     everything."""
     if not run.repeated:
         return
-    rows: list[tuple[str | Cell, ...]] = [
-        (case, *_repeated_row(each))
+    found = [
+        (case, each)
         for case, together in run.repeated.items()
         for each in together
         if each.name in names or each.judged
     ]
-    yield Section("Over the repetitions", (Grid.of(("case", *_REPEATED), rows),))
+    judged = [each.judged for _, each in found if each.judged]
+    headings = _headings(judged)
+    rows: list[tuple[str | Cell, ...]] = [
+        (case, *_repeated_row(each, judged=bool(judged))) for case, each in found
+    ]
+    notes = conformance_notes(judged) if judged else ()
+    yield Section("Over the repetitions", (Grid.of(("case", *headings), rows), *notes))
     for case, together in run.repeated.items():
-        grid = Grid.of(_REPEATED, [_repeated_row(each) for each in together])
+        grid = Grid.of(headings, [_repeated_row(each, judged=bool(judged)) for each in together])
         missed = (each.judged.missed for each in together if each.judged)
         told = (Text(f"{str(each.verdict).capitalize()}: {each}.", "warning") for each in missed if each)
-        yield Section(f"{case} over its repetitions", (grid, *told), folded=True, paper=False)
+        measured = [each.measured for each in together]
+        budgets = budgets_section(measured)
+        items = (grid, *told, *([] if budgets is None else [budgets]))
+        yield Section(f"{case} over its repetitions", items, folded=True, paper=False)
 
 
-def _repeated_row(each: Repeated) -> tuple[str | Cell, ...]:
-    """Return a measurement over its repetitions, and the verdict on their common limit."""
+def _headings(judged: Sequence[JudgedTogether]) -> tuple[str, ...]:
+    """Return the headings of means and, where there are any, of the limits that hold for repetitions."""
+    if not judged:
+        return _REPEATED
+    value, *others = _JUDGED
+    return (*_REPEATED, value.replace("judged", judged[0].judge), *others)
+
+
+def _repeated_row(each: Repeated, *, judged: bool) -> tuple[str | Cell, ...]:
+    """Return a measurement over its repetitions and, where some are `judged`, what of it is and with which
+    verdict."""
     row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
-    if (judged := each.judged) is None:
-        return (*row, "", "")
-    what = "" if judged.measured is None else f" ({judged.measured.definition}; {judged.limit.rule})"
-    P = "" if judged.conformance is None else f", P {conformance_of(judged)}"
-    return (*row, f"{bounds_of(judged.limit)}{what}", Cell(f"{judged.verdict}{P}", mark(judged.verdict)))
+    held = each.judged
+    if held is None:
+        return (*row, *("" for _ in _JUDGED)) if judged else row
+    return (
+        *row,
+        *(judged_value(held.measured), bounds_of(held.limit), held.limit.rule),
+        *(conformance_of(held), verdict_cell(held)),
+    )
 
 
 def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:

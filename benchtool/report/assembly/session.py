@@ -18,7 +18,7 @@ from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Picture, Rep
 from benchtool.report.figures.session import figure_of_png
 from benchtool.report.figures.trend import Point, Trend, draw_trend
 from benchtool.report.provenance import drive_numbers, profile_of_text
-from benchtool.report.results import bounds_of, conformance_of, mark, value_with_k
+from benchtool.report.results import bounds_of, conformance_of, judged_value, mark
 from benchtool.results import SESSION, Judged, Outcome, SessionRecord, SuiteScore, TestRecord, values_of
 
 _UNSTATED: Final = "not stated"
@@ -278,14 +278,21 @@ def _test_section(folder: Path, test: TestRecord) -> Section:
 
 def _judged_grid(judged: Sequence[Judged]) -> Grid:
     headings = (
-        *("measurement", ">value ± U (k)", "unit", "limit", "decision rule", ">probability of conformance"),
+        *(
+            "measurement",
+            ">value ± U (95 %)",
+            "unit",
+            "limit",
+            "decision rule",
+            ">probability of conformance",
+        ),
         "verdict",
     )
     return Grid.of(headings, [_judged_row(each) for each in judged], shown=24)
 
 
 def _judged_row(each: Judged) -> tuple[str | Cell, ...]:
-    value = each.reason or "not measured" if each.value is None else value_with_k(each.held.measured)
+    value = each.reason or "not measured" if each.value is None else judged_value(each.held.measured)
     verdict = Verdict(each.verdict)
     return (
         *(each.name, value, each.unit, bounds_of(each.limit), each.limit.rule),

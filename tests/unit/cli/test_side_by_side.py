@@ -45,4 +45,4 @@ def test_tables_are_as_wide_as_each_other(capsys: pytest.CaptureFixture[str]) ->
 def test_a_heading_is_broken_before_it_widens_its_column() -> None:
     column = Column(">transducer_torque_ripple_pp (Nm)", ("0.1919 ± 0.0037",))
     assert column.width == len("0.1919 ± 0.0037")
-    assert column.fitted == ">transducer_\ntorque_\nripple_pp (Nm)"
+    assert column.fitted == ">transducer_\ntorque_ripple_\npp (Nm)"

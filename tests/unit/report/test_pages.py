@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from html.parser import HTMLParser
 
@@ -228,28 +229,36 @@ def test_measurements_come_with_uncertainty_definition_basis_and_published_figur
 
 
 def test_the_appendix_has_k_degrees_of_freedom_and_the_budget_of_each_uncertainty() -> None:
-    lines = Contribution("scatter", "A", 0.3, 4.0), Contribution("gain of torque", "B", 0.4)
+    scatter = Contribution("scatter", "A", 0.3 * math.sqrt(2.0), 4.0, of_student=True)
+    lines = scatter, Contribution("gain of torque", "B", 0.4)
     known = Measurement("torque_mean", 1.0, "Nm", "a mean", uncertainty=combined(lines, "scatter and gain"))
     section = budgets_section([known, Measurement("plain", 1.0, "A", "a mean")])
     assert section is not None
-    (grid,) = section.items
+    grid, *notes = section.items
     assert isinstance(grid, Grid)
-    # 4 (0.5 / 0.3)^4 = 30.9 degrees of freedom, of which Student's k is 2.04
+    # s = 0.5 with 4 (0.5 / 0.3)^4 = 30.9 degrees of freedom, of which Student's t is 2.04: U = t s
+    # u = 0.58, as of four degrees of freedom Student's distribution is sqrt(4 / 2) as wide as 0.3
+    whole = ["0.50", "0.58", "Nm", "30.9", "2.04", "1.0", "1.75"]
     assert [[cell.text for cell in row] for row in grid.rows] == [
-        ["torque_mean", "combined", "scatter and gain", "0.50", "Nm", "30.9", "2.04"],
-        ["", "type A", "scatter", "0.30", "Nm", "4", ""],
-        ["", "type B", "gain of torque", "0.40", "Nm", "\N{INFINITY}", ""],
+        ["torque_mean", "combined", "scatter and gain", *whole],
+        ["", "type A", "scatter", "0.30", "0.42", "Nm", "4", "", "", ""],
+        ["", "type B", "gain of torque", "0.40", "0.40", "Nm", "\N{INFINITY}", "", "", ""],
     ]
+    headings = [column.heading for column in grid.columns]
+    assert headings[3:] == ["s", "u", "unit", "degrees of freedom", "t", "U (95 %)", "k = U/u"]
+    assert any(isinstance(note, Text) and note.text.startswith("U = t s") for note in notes)
     assert budgets_section([Measurement("plain", 1.0, "A", "a mean")]) is None
 
 
 @pytest.mark.parametrize(
     ("limit", "value", "left"),
     [
-        (Limit(max=0.06), 0.05, "0.0100 (17 %)"),
-        (Limit(min=1.0, max=4.0), 1.5, "0.500 (50 %)"),
-        (Limit(max=2.0), 2.5, "−0.500 (−25 %)"),
+        (Limit(max=0.06), 0.05, "0.01 (17 %)"),
+        (Limit(min=1.0, max=4.0), 1.5, "0.5 (50 %)"),
+        (Limit(max=2.0), 2.5, "−0.5 (−25 %)"),
         (Limit(max=0.0), 0.0, "0"),
+        (Limit(min=1.0), 2.0, "1 (100 %)"),
+        (Limit(max=9500.0), 30900.0, "−21400 (−230 %)"),
     ],
 )
 def test_the_margin_left_is_to_the_nearer_bound(limit: Limit, value: float, left: str) -> None:

@@ -9,8 +9,8 @@ import pytest
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.plan import Limit, Verdict, Waived
 from benchtool.report.assembly.front import _judged_together, _not_run, requirements_section
-from benchtool.report.assembly.plan import _repeated_row
-from benchtool.report.content import Cell, Grid, Section
+from benchtool.report.assembly.plan import _over_repetitions
+from benchtool.report.content import Cell, Grid, Section, Text
 from benchtool.results import JudgedTogether, RecordedRun, Repeated
 
 LIMIT = Limit(max=1.0, requirement="SRS-12", margin="U")
@@ -19,7 +19,7 @@ WORST = Measurement("torque_mean", 1.2, "Nm", "worst of 3 repetitions", uncertai
 
 def _run(limit: Limit) -> RecordedRun:
     run = RecordedRun("", Path(), ())
-    judged = JudgedTogether("torque_mean", limit, WORST, 3.2e-5, judge="worst")
+    judged = JudgedTogether("torque_mean", limit, WORST, 3.2e-5, judge="worst", count=3)
     run.__dict__["repeated"] = {"case": (Repeated("torque_mean", "Nm", 0.9, 0.1, 3, judged=judged),)}
     return run
 
@@ -29,15 +29,28 @@ def _texts(section: Section) -> list[list[str]]:
     return [[cell.text if isinstance(cell, Cell) else cell for cell in row] for row in grid.rows]
 
 
-def test_the_value_that_is_judged_stands_with_its_k() -> None:
-    """The mean stood there, whatever was judged, and without the k that the heading promises."""
+def test_the_value_that_is_judged_stands_beside_the_verdict() -> None:
+    """The mean stood there, whatever was judged."""
     (row,) = _texts(_judged_together([_run(LIMIT)]))
-    assert row[3] == "1.200 ± 0.098 (1.96) Nm"
+    assert row[3] == "1.200 ± 0.098 Nm"
     assert row[6] == "fail"
-    (judged,) = _run(LIMIT).repeated["case"]
-    verdict = _repeated_row(judged)[-1]
-    assert isinstance(verdict, Cell)
-    assert verdict.text == "fail, P < 0.001"
+    over, of_case = _over_repetitions(_run(LIMIT), ["torque_mean"])
+    for section, cells in ((over, 1), (of_case, 0)):
+        assert isinstance(section, Section)
+        grid = section.items[0]
+        assert isinstance(grid, Grid)
+        assert [column.heading for column in grid.columns][cells:] == [
+            *("measurement", "mean ± U (95 %)", "unit", "n"),
+            *("worst ± U (95 %)", "limit", "decision rule", "P", "verdict"),
+        ]
+        assert [cell.text for cell in grid.rows[0]][cells:] == [
+            *("torque_mean", "0.90 ± 0.43", "Nm", "3"),
+            *("1.200 ± 0.098", "≤\N{NO-BREAK SPACE}1", "guard band U (95 %)", "< 0.001", "fail"),
+        ]
+    assert isinstance(over, Section)
+    assert [each.text for each in over.items if isinstance(each, Text)] == [
+        "P is the probability that all 3 repetitions conform, by the measurement alone."
+    ]
 
 
 @pytest.mark.parametrize(

@@ -218,7 +218,7 @@ def test_a_report_shows_sensors_and_what_was_due(tmp_path: Path) -> None:
     assert texts[0].startswith("Overdue: calibration of torque (estimate, no. 7, certificate C-17) was due")
     budgets = budgets_section([late.found["current_fundamental"]])
     assert budgets is not None
-    (grid,) = budgets.items
+    grid, *_ = budgets.items
     assert isinstance(grid, Grid)
     named = [row[2].text for row in grid.rows]
     assert "gain of i_a (LEM IT 60-S, no. 7, certificate C-18); U = 0.5 %, k = 2" in named
