@@ -18,10 +18,10 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import with_expanded
+from benchtool.analysis import number, with_expanded
 from benchtool.bench import Session, open_session
 from benchtool.cli import live_views, options
-from benchtool.cli.output import Output, significant
+from benchtool.cli.output import Output
 from benchtool.commission import (
     Commissioning,
     Known,
@@ -338,14 +338,14 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
     plan = planned(steps, known)
     whole = planned_energy(chain(*plan.values()), known)
     rows = [
-        (name, each.name, significant(each.energy_J(known.R_s_ohm)))
+        (name, each.name, number(each.energy_J(known.R_s_ohm)))
         for name, excitations in plan.items()
         for each in excitations
     ]
     output.table("what would be played", ("step", "excitation", ">J"), rows)
     output.line(
-        f"{significant(whole.value_J)} J by {_resistance(known)}, {significant(whole.least_J)} to "
-        f"{significant(whole.most_J)} J as far as that and friction are off and a loop is tuned again; the "
+        f"{number(whole.value_J)} J by {_resistance(known)}, {number(whole.least_J)} to "
+        f"{number(whole.most_J)} J as far as that and friction are off and a loop is tuned again; the "
         "step 'resistance' tells more"
     )
     output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
@@ -371,9 +371,9 @@ def _resistance(known: Known) -> str:
         return "the nameplate's resistance, without power stage and cable (drive.on_resistance_ohm)"
     if known.series_ohm == 0.0:
         return "the resistance that is stated"
-    return f"the nameplate's resistance and {significant(known.series_ohm)} ohm of power stage and cable"
+    return f"the nameplate's resistance and {number(known.series_ohm)} ohm of power stage and cable"
 
 
 def _shown(content: dict[str, Any], name: str, key: str) -> str:
     stated = content["estimates"][name][key]
-    return "" if stated is None else significant(stated)
+    return "" if stated is None else number(stated)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from datetime import date
 from typing import Any
 
+from benchtool.analysis import count_of, raw
 from benchtool.bench import dictionary_of, equipment_of
 from benchtool.cli.listing import count, duration, measured
 from benchtool.cli.output import Output
@@ -64,32 +65,30 @@ def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
 def _point(case: Case) -> str:
     point = case.operating_point
     if point.mode == "velocity":
-        return f"{point.omega_m_rad_s:g} rad/s, load {point.load_torque_Nm:g} Nm"
-    held = "" if point.hold_speed_rad_s is None else f", shaft held at {point.hold_speed_rad_s:g} rad/s"
-    loaded = f", load {point.load_torque_Nm:g} Nm" if point.load_torque_Nm else ""
-    return f"{point.torque_Nm:g} Nm{held}{loaded}"
+        return f"{raw(point.omega_m_rad_s)} rad/s, load {raw(point.load_torque_Nm)} Nm"
+    held = "" if point.hold_speed_rad_s is None else f", shaft held at {raw(point.hold_speed_rad_s)} rad/s"
+    loaded = f", load {raw(point.load_torque_Nm)} Nm" if point.load_torque_Nm else ""
+    return f"{raw(point.torque_Nm)} Nm{held}{loaded}"
 
 
 def _settings(values: Mapping[str, float | str]) -> str:
-    return ", ".join(
-        f"{key} = {value if isinstance(value, str) else f'{value:g}'}" for key, value in values.items()
-    )
+    return ", ".join(f"{key} = {raw(value)}" for key, value in values.items())
 
 
 def _played(plan: Plan) -> str:
     stimulus = plan.stimulus
     if stimulus is None:
         return "nothing"
-    lasts = "" if stimulus.duration_s is None else f", {stimulus.duration_s:g} s"
+    lasts = "" if stimulus.duration_s is None else f", {raw(stimulus.duration_s)} s"
     times = f", {stimulus.repetitions} times" if stimulus.repetitions > 1 else ""
-    reaches = f"amplitude {stimulus.amplitude:g} {stimulus.unit}"
+    reaches = f"amplitude {raw(stimulus.amplitude)} {stimulus.unit}"
     return f"{stimulus.shape} of {stimulus.quantity}, {reaches}{lasts}{times}"
 
 
 def _recorded(plan: Plan, period_s: float | None) -> str:
     record = plan.record
-    listed = f"{len(record.channels)} channels for {record.duration_s:g} s"
+    listed = f"{count_of(len(record.channels), 'channel')} for {raw(record.duration_s)} s"
     if period_s is None:
         return listed
     row_s = period_s * record.stride
-    return f"{listed}, {round(record.duration_s / row_s)} rows at {1.0 / row_s:g} Hz"
+    return f"{listed}, {count_of(round(record.duration_s / row_s), 'row')} at {raw(1.0 / row_s)} Hz"

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from benchtool.analysis import count_of
 from benchtool.cli import options
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.recording import Bundle, Format, export as write
@@ -44,7 +45,10 @@ def export(
     path = out or Path(f"{run.resolve().name}-{name}{wanted.suffix}")
     block = write(bundle, name, wanted, path)
     missing = sum(gap.missing_rows for gap in block.gaps)
-    output.line(f"{path}: {len(block.data)} rows of {len(block.channels)} channels, {missing} missing")
+    output.line(
+        f"{path}: {count_of(len(block.data), 'row')} of {count_of(len(block.channels), 'channel')}, "
+        f"{missing} missing"
+    )
     output.document(
         {
             "file": str(path),

@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from benchtool.analysis import number
 from benchtool.cli import options
-from benchtool.cli.output import Output, significant
+from benchtool.cli.output import Output
 from benchtool.gauge import Component, GaugeStudy, read_readings, study
 
 _ACCEPTABLE, _CONDITIONAL = 10.0, 30.0  # %GRR of AIAG
@@ -37,10 +38,10 @@ def gauge(
         (
             str(each.source),
             str(each.dof),
-            significant(each.mean_square),
-            "–" if each.F is None else significant(each.F),
-            "–" if each.p is None else significant(each.p),
-            "pooled" if each.variance is None else significant(each.variance**0.5),
+            number(each.mean_square),
+            "–" if each.F is None else number(each.F),
+            "–" if each.p is None else number(each.p),
+            "pooled" if each.variance is None else number(each.variance**0.5),
         )
         for each in result.components
     ]
@@ -49,14 +50,14 @@ def gauge(
         f"{readings.name}: {shape}", ("source", ">dof", ">mean square", ">F", ">p", ">std. deviation"), rows
     )
     low, high = result.gauge_interval
-    output.line(f"gauge: {significant(result.gauge)} (95 %: {significant(low)} to {significant(high)})")
+    output.line(f"gauge: {number(result.gauge)} (95 %: {number(low)} to {number(high)})")
     percent = result.percent_of_tolerance if result.percent_of_total is None else result.percent_of_total
-    for what, number in (
+    for what, share in (
         ("total variation", result.percent_of_total),
         ("tolerance", result.percent_of_tolerance),
     ):
-        if number is not None:
-            output.line(f"%GRR of the {what}: {significant(number)} %, {_judged(number)}")
+        if share is not None:
+            output.line(f"%GRR of the {what}: {number(share)} %, {_judged(share)}")
     if result.ndc is not None:
         output.line(f"distinct categories: {result.ndc} (5 or more are expected)")
     if percent is None:

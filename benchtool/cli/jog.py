@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from benchtool.analysis import number
 from benchtool.bench import open_session
 from benchtool.cli import options
-from benchtool.cli.output import Output, significant
+from benchtool.cli.output import Output
 from benchtool.errors import UsageError
 from benchtool.protocol import Mode
 from benchtool.protocol.dictionary import parse_quantity
@@ -93,4 +94,4 @@ def jog(
 
 
 def _shown(value: float | None) -> str:
-    return "–" if value is None else significant(value)
+    return "–" if value is None else number(value)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from benchtool.analysis import catalogue
+from benchtool.analysis import catalogue, count_of
 from benchtool.cli import options, proposals
 from benchtool.cli.output import Output
 from benchtool.errors import PlanError
@@ -85,4 +85,4 @@ def duration(seconds: float) -> str:
 
 def count(cases: int) -> str:
     """`1 case`, `3 cases`."""
-    return f"{cases} case" if cases == 1 else f"{cases} cases"
+    return count_of(cases, "case")

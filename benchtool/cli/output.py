@@ -4,7 +4,6 @@ standard output."""
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
@@ -142,8 +141,3 @@ def _console(*, stderr: bool) -> Console:
     if not console.is_terminal:
         console.width = _WIDTH_OF_A_PIPE
     return console
-
-
-def significant(value: float, digits: int = 4) -> str:
-    """Return so many significant digits, or a dash for what has no value."""
-    return f"{value:.{digits}g}" if math.isfinite(value) else "–"

@@ -9,12 +9,13 @@ from typing import Annotated
 
 import typer
 
+from benchtool.analysis import number
 from benchtool.bench import open_session
 from benchtool.bench.wires import registry
 from benchtool.cli import live_views, options, proposals
 from benchtool.cli.conditions import conditions
 from benchtool.cli.exit_codes import ended_by_hand
-from benchtool.cli.output import Output, significant, warn_overdue
+from benchtool.cli.output import Output, warn_overdue
 from benchtool.cli.progress import RecordingLine
 from benchtool.recording import BundleWriter, EventFile
 from benchtool.results import Calibration
@@ -128,7 +129,7 @@ def record(
 def _show(output: Output, folder: Path, ended: Ended) -> None:
     certificate = ended.certificate
     rows = [
-        (each.name, significant(each.value) if each.unit else _count(each.value), each.unit)
+        (each.name, number(each.value) if each.unit else _count(each.value), each.unit)
         for each in certificate.measurements
         if each.value or not each.name.startswith("link_")
     ]

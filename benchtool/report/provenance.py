@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import measurements_from_json, number, raw
+from benchtool.analysis import count_of, measurements_from_json, number, raw
 from benchtool.block import Block
 from benchtool.errors import BenchError
 from benchtool.plan import JudgedLimit
@@ -280,7 +280,7 @@ def _columns(bundle: Bundle, name: str, read: Mapping[str, Block]) -> str:
     except BenchError as unreadable:
         return str(unreadable)
     columns = ", ".join(f"{each.name} ({each.unit})" if each.unit else each.name for each in block.channels)
-    return f"{raw(block.sample_rate_Hz)} Hz, {number(len(block.data))} rows: {columns}"
+    return f"{raw(block.sample_rate_Hz)} Hz, {count_of(len(block.data), 'row')}: {columns}"
 
 
 def _files(bundle: Bundle) -> list[Path]:

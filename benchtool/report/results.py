@@ -236,7 +236,7 @@ def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
         s = number(uncertainty.experimental, 2)
         how = (
             f"{number(t, 3)} times the experimental standard uncertainty {s}{unit}{_with(uncertainty.dof)}; "
-            f"few observations make the standard deviation u = {u}{unit}, k = U/u = {k}"
+            f"with what few observations add, u = {u}{unit} and k = U/u = {k}"
         )
     yield f"U = {U}{unit} covers 95 %, {how}: {source}."
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, with_expanded
+from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, raw, with_expanded
 from benchtool.plan import Limit, Verdict
 
 _TRANSDUCER = "transducer_"
@@ -41,7 +41,7 @@ class Disagreement:
         if self.compared is self.estimate:
             return ""
         value = with_expanded(self.compared.value, self.compared.uncertainty)
-        return f" ({value} {self.compared.unit} in the transducer's band, up to {self._band_Hz:.4g} Hz)"
+        return f" ({value} {self.compared.unit} in the transducer's band, up to {raw(self._band_Hz, 4)} Hz)"
 
     @property
     def _band_Hz(self) -> float:

@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from benchtool.analysis import count_of
 from benchtool.document import explain
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument, Profile, bench_of
@@ -31,7 +32,7 @@ class Overdue:
         assert due is not None
         label = f" ({self.instrument.label})" if self.instrument.label else ""
         days = (self.on - due).days
-        late = "1 day" if days == 1 else f"{days} days"
+        late = count_of(days, "day")
         return f"calibration of {self.channel}{label} was due on {due}, {late} before this run"
 
     def to_json(self) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, Protocol, Self, TypeVar
 
-from benchtool.analysis import COVERAGE, Correction, Measurement, Uncertainty, of_difference
+from benchtool.analysis import COVERAGE, Correction, Measurement, Uncertainty, of_difference, raw
 from benchtool.plan import Limit, Verdict
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
@@ -93,7 +93,7 @@ class Chance:
             return ""
         return (
             f"{self.exceeding} of {self.decided} differences exceed their uncertainty; if nothing differed, "
-            f"{self.expected:.2g} of them would do so by chance on average."
+            f"{raw(self.expected, 2)} of them would do so by chance on average."
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -313,7 +313,7 @@ def _unlike_first(values: Mapping[str, float], preposition: str, unit: str) -> s
         for label in others
         if abs(values[label] - values[first]) > _SAME * max(values[label], values[first])
     ]
-    shown = (f"{label} {preposition} {values[label]:.5g} {unit}" for label in (first, *unlike))
+    shown = (f"{label} {preposition} {raw(values[label], 5)} {unit}" for label in (first, *unlike))
     return ", ".join(shown) if unlike else ""
 
 
@@ -325,8 +325,8 @@ def _other_line(one: Measurement, two: Measurement) -> str:
     if abs(there.line_Hz - here.line_Hz) <= _SAME_LINE * (1.0 / here.duration_s + 1.0 / there.duration_s):
         return ""
     return (
-        f"the largest line is at {here.line_Hz:.6g} Hz in the reference and at {there.line_Hz:.6g} Hz here: "
-        f"two lines, whose numbers are not compared"
+        f"the largest line is at {raw(here.line_Hz, 6)} Hz in the reference and at "
+        f"{raw(there.line_Hz, 6)} Hz here: two lines, whose numbers are not compared"
     )
 
 
@@ -356,7 +356,7 @@ def _other_extent(one: Measurement, two: Measurement) -> str:
         (here.span_s, there.span_s, " s", "times after the step, over which its samples count"),
     ):
         if first is not None and second is not None and abs(first - second) > _SAME * max(first, second):
-            return f"{first:.4g}{unit} in the reference and {second:.4g}{unit} here are two {what}"
+            return f"{raw(first, 4)}{unit} in the reference and {raw(second, 4)}{unit} here are two {what}"
     return ""
 
 
@@ -374,7 +374,7 @@ def _corrected_alone(one: Measurement, two: Measurement) -> str:
     if uncertainty is not None and abs(correction.added) <= uncertainty.expanded:
         return ""
     return (
-        f"{which} alone is corrected, by {correction.added:.4g} {one.unit} for the {correction.of}: a "
+        f"{which} alone is corrected, by {raw(correction.added, 4)} {one.unit} for the {correction.of}: a "
         f"number that is corrected and one as it was read are not compared, state the sensor's bandwidth of "
         f"both runs"
     )

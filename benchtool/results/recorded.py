@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from benchtool.analysis import raw
 from benchtool.block import Block
 from benchtool.results.regimes import Regime
 
@@ -55,8 +56,8 @@ class Recorded:
         source = self.source(measured)
         if len(self.regimes) > 1 or not self.regimes or source["gaps"]:
             yield (
-                f"measured is {source['from_s']:.6g} s to {source['to_s']:.6g} s of stream {self.stream}, "
-                f"{source['rows']} rows at {source['rate_Hz']:.6g} Hz"
+                f"measured is {raw(source['from_s'], 6)} s to {raw(source['to_s'], 6)} s of stream "
+                f"{self.stream}, {source['rows']} rows at {raw(source['rate_Hz'], 6)} Hz"
             )
         if source["gaps"]:
             yield (

@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis import raw
 from benchtool.block import Block
 from benchtool.profile import Motor
 from benchtool.results.windows import rows_of
@@ -53,9 +54,9 @@ class Regime:
     def text(self) -> str:
         """As one line tells it."""
         what = "steady" if self.steady else "transient"
-        levels = ", ".join(f"{name} {value:.4g} {_UNITS[name]}" for name, value in self.levels.items())
+        levels = ", ".join(f"{name} {raw(value, 4)} {_UNITS[name]}" for name, value in self.levels.items())
         told = f", {levels}" if self.steady and levels else ""
-        return f"{self.from_s:.6g} s to {self.to_s:.6g} s {what}{told}"
+        return f"{raw(self.from_s, 6)} s to {raw(self.to_s, 6)} s {what}{told}"
 
     def of(self, block: Block) -> Block:
         """Return its rows, with the gaps in them."""

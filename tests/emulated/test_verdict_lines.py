@@ -47,7 +47,7 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert result.exit_code == 1, result.output
     assert "verdict: fail" in result.stdout
     assert "fail: deadbeat: torque_ripple_pp is 0." in result.stdout
-    assert "at most 1e-06 is allowed" in result.stdout
+    assert "at most 1 × 10⁻⁶ is allowed" in result.stdout
     assert "the transducer disagrees: tpc: torque_ripple_pp is 0.0" in result.stdout
     assert "on the shaft: fail there" in result.stdout
     assert "not measured for lack of channels: flux ripple (psi_s), current spectrum (i_a)" in result.stdout
@@ -63,7 +63,7 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert invoke("report", "run").exit_code == 1
     (page,) = (tmp_path / "run").glob("*.html")
     text = page.read_text(encoding="utf-8")
-    assert "at most 1e-06 is allowed" in text
+    assert "at most 1 × 10⁻⁶ is allowed" in text
     assert "The transducer disagrees: torque_ripple_pp" in text
 
 

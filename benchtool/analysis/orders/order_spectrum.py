@@ -19,6 +19,7 @@ from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis
 from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
 from benchtool.analysis.noise.noise_of_lines import line_noise
+from benchtool.analysis.numbers import count_of
 from benchtool.analysis.orders.angle import (
     TURN,
     AngleCoverage,
@@ -266,7 +267,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
         others=others,
         mean=float(np.mean(coherent.values)),
         revolutions=float(turns),
-        method=f"DFT over {turns} whole revolutions, resampled to equal steps of a {track.source}"
+        method=f"DFT over {count_of(turns, 'whole revolution')}, resampled to equal steps of a {track.source}"
         + (", less what mean and amplitudes do from revolution to revolution" if courses else ""),
         uncertainty_source="noise and leakage beside the order, resampling, resolution, wander of the phase, "
         f"and {about}",
@@ -281,7 +282,7 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
             sample_rate_Hz=block.sample_rate_Hz,
             duration_s=spectrum.samples / block.sample_rate_Hz,
             bandwidth_Hz=float(spectrum.frequency_Hz[-1]),
-            window=f"rectangular, {turns} whole mechanical revolutions",
+            window=f"rectangular, {count_of(turns, 'whole mechanical revolution')}",
             harmonics=count,
             frequency_Hz=spectrum.fundamental_Hz,
             gaps=0,

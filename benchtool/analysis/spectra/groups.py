@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import CoherentSamples
 from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
+from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import MeanError, error_of_series
 from benchtool.analysis.uncertainty import Contribution
 
@@ -254,14 +255,16 @@ def group_distortion(
         return GroupDistortion(math.nan if groups.orders < 2 else ratio)
     if by_noise is None or not math.isfinite(by_noise.standard):
         each = np.sqrt(np.sum(squares[:, 1:], axis=1) / np.maximum(squares[:, 0], 1e-300))
-        return GroupDistortion(ratio, (error_of_series(each).line(f"scatter over {windows} windows"),))
+        return GroupDistortion(
+            ratio, (error_of_series(each).line(f"scatter over {count_of(windows, 'window')}"),)
+        )
     # what is in the groups beside the lines makes of the same noise less of a ratio
     share = min(1.0, of_lines / ratio) if of_lines > 0.0 else 1.0
     lines = math.hypot(share * by_noise.standard, ratio * of_order_1)
     beside = power_beside_lines(groups, kind, of_bursts)
     budget = (
         Contribution("noise in the harmonics", "A", lines, by_noise.dof),
-        beside.line(f"power beside the harmonics in {windows} windows"),
+        beside.line(f"power beside the harmonics in {count_of(windows, 'window')}"),
     )
     return GroupDistortion(ratio, budget)
 
@@ -296,9 +299,9 @@ def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> T
     periods = groups.periods_per_window
     return Table(
         name,
-        f"rms over {groups.windows} windows of N = {periods} periods, after IEC 61000-4-7:2002+A1:2008; "
-        f"group of order h: bins N h - N/2 to N h + N/2, ends by half of their square; subgroup: N h - 1 to "
-        f"N h + 1; interharmonic centred subgroup: N h + 2 to N (h + 1) - 2",
+        f"rms over {count_of(groups.windows, 'window')} of N = {periods} periods, after "
+        f"IEC 61000-4-7:2002+A1:2008; group of order h: bins N h - N/2 to N h + N/2, ends by half of their "
+        f"square; subgroup: N h - 1 to N h + 1; interharmonic centred subgroup: N h + 2 to N (h + 1) - 2",
         (("order", ""), ("group_rms", unit), ("subgroup_rms", unit), ("interharmonic_rms", unit)),
         tuple(tuple(float(value) for value in row) for row in zip(order, *rms, strict=True)),
         basis,

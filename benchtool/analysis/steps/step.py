@@ -19,6 +19,7 @@ from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantit
 from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
+from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import means_of_parts
 from benchtool.analysis.steps.arrived_samples import LITTLE, end_of_tail
 from benchtool.analysis.steps.corners import corner_near
@@ -113,7 +114,8 @@ def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measu
         if each.name.startswith(_OF_SAMPLES):
             yield each
         else:
-            text = f"{each.definition}; without {clicks} samples that are far from their neighbours"
+            left_out = count_of(clicks, "sample that is", "samples that are")
+            text = f"{each.definition}; without {left_out} far from the neighbours"
             yield replace(each, definition=text)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from benchtool.analysis import measurements_from_json, number, raw, with_expanded
+from benchtool.analysis import count_of, measurements_from_json, raw, with_expanded
 from benchtool.errors import BenchError
 from benchtool.profile import Choice, Profile
 from benchtool.protocol.dictionary import Dictionary, toml_key
@@ -137,7 +137,8 @@ def case_facts(case: RecordedCase) -> content.Facts:
     """Return facts of the run: what, when, with what, and how much was recorded."""
     facts = run_facts(case.bundle.manifest)
     streams = [
-        f"{name} {number(info.rows)} rows" + (f", {info.missing_rows} missing" if info.missing_rows else "")
+        f"{name} {count_of(info.rows, 'row')}"
+        + (f", {info.missing_rows} missing" if info.missing_rows else "")
         for name, info in case.bundle.manifest.streams.items()
     ]
     if case.assessment is not None:
@@ -194,7 +195,7 @@ def _every_channel(case: RecordedCase) -> Iterator[Item]:
     figure = draw_channels(block, f"{case.name}: every channel of stream {stream}")
     part = "its whole length" if result is None or result.recorded is None else "the rows measured"
     caption = (
-        f"Every channel of stream {stream} over {part}, {number(len(block.data))} rows at "
+        f"Every channel of stream {stream} over {part}, {count_of(len(block.data), 'row')} at "
         f"{raw(block.sample_rate_Hz)} Hz. Long traces are drawn by the least and the greatest value of each "
         f"stretch, so that no peak is lost; a gap in a line is a gap in the data."
     )

@@ -6,7 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, Final
 
-from benchtool.analysis import NOTHING, analyze_response, measurements_from_json, number, with_expanded
+from benchtool.analysis import (
+    NOTHING,
+    analyze_response,
+    count_of,
+    measurements_from_json,
+    number,
+    raw,
+    with_expanded,
+)
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.recording import Bundle
@@ -181,5 +189,6 @@ def _pictures(bundle: Bundle) -> Iterator[Picture]:
     for stream in streams[:_MOST_PICTURES]:
         block = bundle.block(stream)
         figure = draw_channels(block, titles.get(stream, stream))
-        caption = f"{len(block.data)} rows at {block.sample_rate_Hz:.6g} Hz of {len(streams)} captures."
+        captures = count_of(len(streams), "capture")
+        caption = f"{count_of(len(block.data), 'row')} at {raw(block.sample_rate_Hz)} Hz of {captures}."
         yield Picture(figure, caption, content.describe_figure(figure))

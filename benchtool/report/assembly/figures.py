@@ -10,7 +10,7 @@ from typing import Final
 
 from matplotlib.figure import Figure
 
-from benchtool.analysis import Panel, catalogue
+from benchtool.analysis import Panel, catalogue, raw
 from benchtool.plan import Plan
 from benchtool.recording import enlist
 from benchtool.report.assembly.recording import plan_of
@@ -75,7 +75,9 @@ def _label(result: Assessment) -> str:
     """Return the name of a case with its main results."""
     found = {each.name: each for each in result.measurements if math.isfinite(each.value)}
     labels = ((name, each.label) for each in catalogue().quantities for name in each.names if each.label)
-    parts = (f"{label} {found[name].value:.3g} {found[name].unit}" for name, label in labels if name in found)
+    parts = (
+        f"{label} {raw(found[name].value, 3)} {found[name].unit}" for name, label in labels if name in found
+    )
     return ": ".join(filter(None, (result.case, ", ".join(parts))))
 
 

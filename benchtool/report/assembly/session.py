@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from benchtool.analysis import NOTHING, number, raw
+from benchtool.analysis import NOTHING, count_of, number, raw
 from benchtool.errors import RecordingError
 from benchtool.plan import Verdict
 from benchtool.profile import Profile
@@ -83,7 +83,7 @@ def _banner(record: SessionRecord) -> content.Verdict:
     limits = [each for test in record.tests for each in test.judged]
     met = sum(Verdict(each.verdict).met for each in limits)
     word = "Pass" if verdict is Verdict.PASS else str(verdict).capitalize()
-    summary = f"{len(record.tests)} tests: {told}; {met} of {len(limits)} limits met."
+    summary = f"{count_of(len(record.tests), 'test')}: {told}; {met} of {count_of(len(limits), 'limit')} met."
     return content.Verdict(sign, f"{content.SYMBOLS[sign]} {word}", summary)
 
 
@@ -186,7 +186,7 @@ def _rules(record: SessionRecord) -> Iterator[str]:
         for each in test.judged:
             rules[each.limit.rule] = rules.get(each.limit.rule, 0) + 1
     for rule, count in rules.items():
-        yield f"{rule[0].upper()}{rule[1:]}: {count} limits."
+        yield f"{rule[0].upper()}{rule[1:]}: {count_of(count, 'limit')}."
     yield "What was not measured, or is no number, fails (JCGM 106:2012 for the rules)."
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchtool.analysis import Panel
+from benchtool.analysis import Panel, raw
 from benchtool.report.figures.envelope import envelope, trace
 from benchtool.report.figures.labels import channel_label
 from benchtool.report.figures.style import (
@@ -119,7 +119,7 @@ def draw_spectra(panels: Sequence[Panel], title: str) -> Figure:
         axes.set_xlim(left=0.0)
         dress(axes, "", "")
         case = panel.name or panel.label
-        text = f"{case}: fundamental {fundamental:.4g} A, largest other {largest:.2g} A"
+        text = f"{case}: fundamental {raw(fundamental, 4)} A, largest other {raw(largest, 2)} A"
         _name(axes, text, columns=rows.shape[1])
     _label_outside(rows, used, "$i_a$, peak (A)", "frequency $f$ (Hz)")
     return figure

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from matplotlib.axes import Axes
 
-from benchtool.analysis import Measurement, Panel
+from benchtool.analysis import Measurement, Panel, raw
 from benchtool.report.figures.style import LIMIT
 
 
@@ -20,7 +20,7 @@ def draw_limits(axes: Axes, levels: Iterable[tuple[float, str]]) -> None:
 
 def stated_with_limit(measured: Measurement, panel: Panel) -> str:
     """Return a value with its unit and, where it is judged, its bounds: `0.0498 Nm (limit 0.06)`."""
-    text = f"{measured.value:.3g} {measured.unit}".rstrip()
+    text = f"{raw(measured.value, 3)} {measured.unit}".rstrip()
     least, greatest = panel.limits.get(measured.name, (None, None))
-    bounds = [f"{bound:g}" for bound in (least, greatest) if bound is not None]
+    bounds = [raw(bound) for bound in (least, greatest) if bound is not None]
     return f"{text} (limit {' to '.join(bounds)})" if bounds else text

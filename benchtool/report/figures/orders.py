@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from benchtool.analysis import Panel, with_expanded
+from benchtool.analysis import Panel, raw, with_expanded
 from benchtool.analysis.orders import Orders, OrderSpectrum, machine_orders, order_meaning
 from benchtool.report.figures.labels import channel_label, with_unit
 from benchtool.report.figures.style import BLUE, LIGHT, LIMIT, ORANGE, add_legend, dress, new_figure
@@ -38,7 +38,9 @@ def draw_orders(panel: Panel, analysis: str, title: str) -> Figure:
     largest = [int(order) for order in spectrum.largest[:_LISTED]]
     last = min(len(spectrum.order), max(_FEWEST_SHOWN, math.ceil(_SHOWN_BEYOND * max(largest))))
     order, amplitude, standard = spectrum.order[:last], spectrum.amplitude[:last], spectrum.standard[:last]
-    summary = f"mean {spectrum.mean:.4g} {spectrum.unit}, {spectrum.revolutions:.4g} mechanical revolutions"
+    summary = (
+        f"mean {raw(spectrum.mean, 4)} {spectrum.unit}, {raw(spectrum.revolutions, 4)} mechanical revolutions"
+    )
     figure = new_figure(4.4, title, summary)
     axes, below = figure.subplots(2, 1, height_ratios=(4.0, 1.0))
     axes.bar(order, 2.0 * standard, width=1.0, color=LIGHT, label="twice the standard uncertainty")

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchtool.analysis import Panel, SteadyState, largest_low_component
+from benchtool.analysis import Panel, SteadyState, largest_low_component, raw
 from benchtool.report.figures.envelope import envelope
 from benchtool.report.figures.files import lay_out
 from benchtool.report.figures.labels import channel_label
@@ -44,7 +44,7 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     fundamental_A = _defined(steady, "current_fundamental", spectrum.fundamental)
     floor_A = _FLOOR * fundamental_A
     frequency_Hz, amplitude_A = spectrum.frequency_Hz[1:], np.maximum(spectrum.amplitude[1:], floor_A)
-    summary = f"fundamental {fundamental_A:.4g} A peak at {f_1:.5g} Hz, {steady.periods} periods"
+    summary = f"fundamental {raw(fundamental_A, 4)} A peak at {raw(f_1, 5)} Hz, {steady.periods} periods"
     judged = [name for name in panel.limits if name.startswith("current_") and name in steady.names]
     stated = [f"{name} {stated_with_limit(steady[name], panel)}" for name in judged[:2]]
     figure = new_figure(3.4, title, ", ".join([summary, *stated]))
@@ -54,13 +54,13 @@ def draw_current_spectrum(panel: Panel, title: str) -> Figure:
     at_Hz, height_A = envelope(frequency_Hz[bins], amplitude_A[bins])
     low.vlines(at_Hz, floor_A, height_A, color=BLUE, linewidth=1.4)
     low.set_xlim(0.0, _LOW_ORDER * f_1)
-    annotate_point(low, f"fundamental {fundamental_A:.4g} A", f_1, fundamental_A, BLACK)
+    annotate_point(low, f"fundamental {raw(fundamental_A, 4)} A", f_1, fundamental_A, BLACK)
     largest = largest_low_component(spectrum, _LOW_ORDER)
     largest_A = _defined(steady, _LARGEST, largest.amplitude)
     largest_Hz = largest.frequency_Hz
     if _LARGEST in steady.names:
         largest_Hz = steady[_LARGEST].basis.frequency_Hz or largest_Hz
-    text = f"largest other {largest_A:.3g} A at {largest_Hz:.4g} Hz"
+    text = f"largest other {raw(largest_A, 3)} A at {raw(largest_Hz, 4)} Hz"
     annotate_point(low, text, largest_Hz, max(largest_A, floor_A), ORANGE)
     _, greatest = panel.limits.get(_LARGEST, (None, None))
     if greatest is not None:

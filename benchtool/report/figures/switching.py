@@ -7,7 +7,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchtool.analysis import Table
+from benchtool.analysis import Table, raw
 from benchtool.report.figures.style import BLUE, ORANGE, add_legend, dress, new_figure
 
 _WIDTH_IN = 3.6
@@ -21,7 +21,7 @@ def draw_switching_states(table: Table, *, title: str) -> Figure:
         table: `switching_states` of `benchtool.analysis.switching`.
     """
     vector, angle_deg, time_share, period_share = np.array(table.rows).T
-    summary = f"without voltage {time_share[0]:.3g} % of the time"
+    summary = f"without voltage {raw(time_share[0], 3)} % of the time"
     figure = new_figure(_HEIGHT_IN, title, summary, width_in=_WIDTH_IN)
     axes = figure.subplots()
     place = np.arange(len(vector))

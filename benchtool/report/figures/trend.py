@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from benchtool.analysis import raw
 from benchtool.report.figures.labels import measurement_label, swept_label
 from benchtool.report.figures.limits import draw_limits
 from benchtool.report.figures.style import (
@@ -143,7 +144,7 @@ def _scale(axes: Axes, points: Sequence[Point]) -> None:
     values = [point.value for point in points if math.isfinite(point.value)]
     if values and min(values) > 0.0 and max(values) > _DECADES * min(values):
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: raw(value, 6)))
 
 
 def _draw_limits(axes: Axes, trend: Trend, names: Sequence[str]) -> None:
@@ -154,7 +155,9 @@ def _draw_limits(axes: Axes, trend: Trend, names: Sequence[str]) -> None:
     shared = {bound for _, bound in bounds}
     count = sum(len(series) for series in trend.series.values())
     if all(sum(one == bound for _, one in bounds) == count for bound in shared):
-        draw_limits(axes, [(bound, f"limit {bound:g} {trend.unit}".rstrip()) for bound in sorted(shared)])
+        draw_limits(
+            axes, [(bound, f"limit {raw(bound, 6)} {trend.unit}".rstrip()) for bound in sorted(shared)]
+        )
         return
     places = sorted({_place(point, names) for series in trend.series.values() for point in series})
     half = 0.35 * min(np.diff(places), default=1.0)

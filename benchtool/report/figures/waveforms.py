@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from benchtool.analysis import Panel, SteadyState, crop_to
+from benchtool.analysis import Panel, SteadyState, crop_to, raw
 from benchtool.block import Block
 from benchtool.report.figures.envelope import band, trace
 from benchtool.report.figures.labels import channel_label, with_unit
@@ -113,8 +113,8 @@ def _end_s(block: Block) -> float:
 
 def _in_periods(view: _View) -> str:
     if view.fundamental_Hz is None:
-        return f"{_end_s(view.detail):.3g} s"
-    return f"{_end_s(view.detail) * view.fundamental_Hz:.2g} periods"
+        return f"{raw(_end_s(view.detail), 3)} s"
+    return f"{raw(_end_s(view.detail) * view.fundamental_Hz, 2)} periods"
 
 
 def _in_words(panel: Panel, steady: SteadyState) -> str:
