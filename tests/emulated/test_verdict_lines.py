@@ -83,6 +83,19 @@ def test_the_report_of_repetitions_says_of_the_shaft_what_the_run_says(
     (page,) = (tmp_path / "run").glob("*.html")
     assert "By the transducer on the shaft: fail." in page.read_text(encoding="utf-8")
 
+    # one of the repetitions does not have the verdict of both
+    alone = invoke("analyze", "run/tpc.1", "--json")
+    document = json.loads(alone.stdout)
+    assert (alone.exit_code, document["verdict"]) == (1, "undecided")
+    (case,) = document["cases"].values()
+    assert case["verdict"] == "none"
+    assert (case["limits_together"]["judge"], case["limits_together"]["repetitions"]) == ("mean", 2)
+    told = "torque_ripple_pp ≤ 0.06 holds for the mean of 2 repetitions, of which this is one"
+    assert f"undecided: tpc.1: {told}" in alone.stderr
+    assert "verdict: undecided" in invoke("report", "run/tpc.1").stdout
+    page = tmp_path / "run" / "tpc.1" / "report.html"
+    assert f"Undecided: {told}" in page.read_text(encoding="utf-8")
+
 
 def test_no_plan_of_a_folder_runs_before_all_are_sound(invoke: Invoke, tmp_path: Path) -> None:
     folder = tmp_path / "plans"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
@@ -11,7 +13,7 @@ from benchtool.plan import Limit, Verdict, Waived
 from benchtool.report.assembly.front import _judged_together, _not_run, requirements_section
 from benchtool.report.assembly.plan import _over_repetitions
 from benchtool.report.content import Cell, Grid, Section, Text
-from benchtool.results import JudgedTogether, RecordedRun, Repeated
+from benchtool.results import JudgedTogether, RecordedCase, RecordedRun, Repeated
 
 LIMIT = Limit(max=1.0, requirement="SRS-12", margin="U")
 WORST = Measurement("torque_mean", 1.2, "Nm", "worst of 3 repetitions", uncertainty=Uncertainty(0.05, ""))
@@ -78,3 +80,15 @@ def test_a_waived_limit_on_repetitions_is_told_as_such() -> None:
     assert judged.judged.missed is None
     assert judged.judged.waived is not None
     assert judged.judged.waived.verdict is Verdict.FAIL
+
+
+def test_a_requirement_of_the_plan_has_the_limits_on_repetitions_as_evidence() -> None:
+    """It had the verdicts of the single repetitions alone: a plan that failed fulfilled it."""
+    details = {"plan": {"requirements": ["SRS-1"]}}
+    bundle = SimpleNamespace(manifest=SimpleNamespace(details=details))
+    case = SimpleNamespace(name="case.1", verdict=Verdict.NONE, bundle=bundle, assessment=None)
+    run = RecordedRun("", Path(), (cast(RecordedCase, case),))
+    run.__dict__["repeated"] = _run(LIMIT).repeated
+    section = requirements_section([run])
+    assert section is not None
+    assert ["SRS-1", "fail", "case.1, case: torque_mean"] in _texts(section)
