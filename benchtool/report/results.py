@@ -228,6 +228,9 @@ def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
     budget."""
     U, u, t = number(uncertainty.expanded, 2), number(uncertainty.standard, 2), uncertainty.student_factor
     source, k = uncertainty.source.rstrip("."), number(uncertainty.k, 3)
+    if uncertainty.expanded <= 0.0:
+        yield f"Without uncertainty: {source}."
+        return
     if t is None:
         how = f"half of the interval of a derived distribution; u = {u}{unit}, k = U/u = {k}"
     elif math.isclose(uncertainty.experimental, uncertainty.standard, rel_tol=_ALIKE):

@@ -123,9 +123,14 @@ def _differing(kind: Kind, tables: Mapping[str, Mapping[str, object]]) -> Iterat
         return
     for key in dict.fromkeys(key for table in tables.values() for key in table):
         values = {label: table.get(key) for label, table in tables.items()}
-        first, *others = values.values()
+        first, *others = map(_stated, values.values())
         if any(each != first for each in others):
             yield Circumstance(kind, key, values)
+
+
+def _stated(value: object) -> object:
+    """Return a value; None of a text that is left empty, as of a key that is not there."""
+    return None if value == "" else value
 
 
 def _reached(comparison: Comparison) -> Iterator[Circumstance]:
@@ -178,7 +183,8 @@ def _circumstances(result: Assessment) -> Iterator[tuple[Kind, Mapping[str, obje
     yield Kind.PLAN, _flat({key: value for key, value in plan.items() if key not in own})
     yield Kind.OPERATING_POINT, _flat(manifest.details.get("operating_point", {}))
     yield Kind.REACHED, {}
-    yield Kind.LIMITS, {name: limit.bounds for name, limit in result.limits.items()}
+    limits = dict(result.limits) | ({} if result.together is None else dict(result.together.limits))
+    yield Kind.LIMITS, {name: limit.bounds for name, limit in limits.items()}
     yield Kind.ANALYSES, _flat(plan.get("analyses", {}))
     yield Kind.RECORDED, _rows(result)
     yield Kind.DRIVE, {"dictionary": manifest.dictionary_hash, **manifest.identity}

@@ -6,15 +6,17 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
-from benchtool.analysis import Measurement, measurements_to_json
+from benchtool.analysis import Measurement, Uncertainty, measurements_to_json
 from benchtool.block import Block, Gap
 from benchtool.link import LinkCounters
 from benchtool.protocol import COUNTING_SIGNALS, StreamCounters
 from benchtool.telemetry.recorder import STREAM
 from benchtool.telemetry.stream import StreamReport, TelemetryStream
 from benchtool.ticks import TICKS
+
+_COUNTED: Final = Uncertainty(0.0, "a count")
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def certify(
     if report is not None:
         measurements += _slow_stream(report)
     for name, count in asdict(link).items():
-        measurements.append(Measurement(f"link_{name}", count, "", "counter of the link since it was opened"))
+        measurements.append(_count(f"link_{name}", count, "counter of the link since it was opened"))
     return Certificate(tuple(measurements))
 
 
@@ -128,48 +130,48 @@ def certificate_units(*, stream: bool) -> Mapping[str, str]:
     return {each.name: each.unit for each in found.measurements}
 
 
+def _count(name: str, count: float, definition: str) -> Measurement:
+    """Return what was counted, which has no uncertainty."""
+    return Measurement(name, count, "", definition, uncertainty=_COUNTED)
+
+
 def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:
     inside = sum(gap.missing_rows for gap in facts.gaps)
     expected = facts.rows + inside if facts.expected is None else facts.expected
     source = "by the ticks of its rows" if facts.expected is None else "by the drive's own count"
-    yield Measurement(f"{name}_rows_expected", expected, "", f"rows that {name} should have, {source}")
-    yield Measurement(f"{name}_rows_received", facts.rows, "", f"rows that {name} has")
-    yield Measurement(f"{name}_rows_missing", expected - facts.rows, "", "rows expected less rows received")
-    yield Measurement(f"{name}_gaps", len(facts.gaps), "", "places between two rows where rows are missing")
+    yield _count(f"{name}_rows_expected", expected, f"rows that {name} should have, {source}")
+    yield _count(f"{name}_rows_received", facts.rows, f"rows that {name} has")
+    yield _count(f"{name}_rows_missing", expected - facts.rows, "rows expected less rows received")
+    yield _count(f"{name}_gaps", len(facts.gaps), "places between two rows where rows are missing")
     largest = max((gap.missing_rows for gap in facts.gaps), default=0)
-    yield Measurement(f"{name}_gap_max", largest, "", "most rows missing in one place")
+    yield _count(f"{name}_gap_max", largest, "most rows missing in one place")
     for signal, text in COUNTING_SIGNALS.items():
         definition = f"{text}, last less first value of {signal} in {name}"
         if signal in facts.counts:
             first, last = facts.counts[signal]
-            yield Measurement(f"{name}_{signal}_count", (last - first) % TICKS, "", definition)
+            yield _count(f"{name}_{signal}_count", (last - first) % TICKS, definition)
         else:
             yield Measurement.undefined(f"{name}_{signal}_count", "", definition, f"{signal} is not recorded")
 
 
 def _slow_stream(report: StreamReport) -> Iterator[Measurement]:
     counters = report.counters
-    yield Measurement(
+    yield _count(
         "telemetry_records_lost",
         counters.lost,
-        "",
         "sent by the drive, by sequence number, but not received whole",
     )
     dropped = "not sent by the drive, as its line was full"
     if report.drive_dropped is None:
         yield Measurement.undefined("telemetry_records_dropped", "", dropped, "the drive could not be asked")
     else:
-        yield Measurement("telemetry_records_dropped", report.drive_dropped, "", dropped)
-    yield Measurement("telemetry_records_incomplete", counters.incomplete, "", "begun, not ended")
-    yield Measurement(
-        "telemetry_records_off_grid", counters.off_grid, "", "whole, with a tick that continues no row"
-    )
-    yield Measurement("telemetry_pdos_malformed", counters.malformed, "", "PDOs or batches of a wrong length")
-    yield Measurement("telemetry_frames_dropped", report.frames_dropped, "", "no room in the host's queue")
-    yield Measurement("telemetry_rows_dropped", report.rows_dropped, "", "no room in a viewer's queue")
-    yield Measurement(
-        "telemetry_resumptions", report.resumptions, "", "times the link was lost and came back"
-    )
+        yield _count("telemetry_records_dropped", report.drive_dropped, dropped)
+    yield _count("telemetry_records_incomplete", counters.incomplete, "begun, not ended")
+    yield _count("telemetry_records_off_grid", counters.off_grid, "whole, with a tick that continues no row")
+    yield _count("telemetry_pdos_malformed", counters.malformed, "PDOs or batches of a wrong length")
+    yield _count("telemetry_frames_dropped", report.frames_dropped, "no room in the host's queue")
+    yield _count("telemetry_rows_dropped", report.rows_dropped, "no room in a viewer's queue")
+    yield _count("telemetry_resumptions", report.resumptions, "times the link was lost and came back")
     jitter = "time between two arrivals less drive time between their ticks"
     yield Measurement("arrival_jitter_rms", report.jitter_rms_s, "s", f"{jitter}, rms")
     yield Measurement("arrival_jitter_max", report.jitter_max_s, "s", f"{jitter}, largest magnitude")

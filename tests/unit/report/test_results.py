@@ -16,6 +16,7 @@ from benchtool.report.results import basis_text, measurement_notes
 @pytest.mark.parametrize(
     ("uncertainty", "told"),
     [
+        (Uncertainty(0.0, "a count"), "Without uncertainty: a count."),
         (Uncertainty(0.012, "noise"), "U = 0.024 Nm covers 95 %, k = 1.96, u = 0.012 Nm: noise."),
         (
             combined([Contribution("a", "A", 0.2 * math.sqrt(2.0), 4.0, of_student=True)], "few values"),

@@ -49,6 +49,15 @@ def test_a_key_of_the_profile_is_named(tmp_path: Path) -> None:
     assert values["bench.clock.tolerance_ppm"] == (None, 50.0)
 
 
+def test_what_is_left_empty_is_as_what_is_not_there(tmp_path: Path) -> None:
+    """A sensor without a serial number was listed with one that is blank."""
+    sensor = '\n[bench.channels.i_a]\ngain_U_percent = 0.2\ncertificate = "C7"\n'
+    for name, toml in (("a", TOML), ("b", f"{TOML}{sensor}")):
+        recording(tmp_path / name, {"telemetry": stream(STEADY)}, toml=toml)
+    found = _between(tmp_path / "a", tmp_path / "b").of_kind(Kind.PROFILE)
+    assert {tuple(each.values.values()) for each in found} == {(None, 0.2), (None, "C7"), (None, 2.0)}
+
+
 def test_a_default_that_is_written_out_is_no_difference(tmp_path: Path) -> None:
     recording(tmp_path / "a", {"telemetry": stream(STEADY)})
     recording(tmp_path / "b", {"telemetry": stream(STEADY)}, toml=f"# a remark\n{TOML}")
