@@ -60,7 +60,11 @@ class Delta:
             "absolute": _finite(self.absolute),
             "percent": _finite(self.percent),
             "standard_uncertainty": _finite(self.standard),
+            "experimental_uncertainty": None
+            if self.uncertainty is None
+            else _finite(self.uncertainty.experimental),
             "dof": None if self.uncertainty is None else _finite(self.uncertainty.dof),
+            "student_factor": None if self.uncertainty is None else self.uncertainty.student_factor,
             "k": None if self.uncertainty is None else _finite(self.uncertainty.k),
             "expanded_uncertainty": None if self.expanded is None else _finite(self.expanded),
             "exceeds_uncertainty": self.exceeds,

@@ -145,7 +145,7 @@ SECTIONS: Final = (
         "How a number is judged by its limit, what repetitions tell together, and when two runs differ "
         "(`benchtool.results`).",
         """
-        0038 0058 0328 0369 0354 0287 0400 0039 0401 0066 0329
+        0038 0511 0058 0328 0369 0354 0287 0400 0039 0401 0066 0329
         """,
     ),
     Section(
@@ -168,7 +168,7 @@ SECTIONS: Final = (
         "What a stated uncertainty is, and the random records by which it is checked (`python -m "
         "benchmarks.coverage`).",
         """
-        0012 0034 0045 0234 0352 0433 0292 0406
+        0012 0034 0045 0234 0512 0352 0433 0292 0406
         0036 0043 0067 0126 0161 0467 0480 0164 0275 0332
         """,
     ),

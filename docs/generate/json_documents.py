@@ -288,13 +288,17 @@ class Delta(Document):
     percent: float | None
     """The difference in percent of the first."""
     standard_uncertainty: float | None
-    """Standard uncertainty of the difference."""
+    """Standard uncertainty u of the difference."""
+    experimental_uncertainty: float | None
+    """Experimental standard uncertainty s of it, without what few observations add to u."""
     dof: float | None
     """Its degrees of freedom."""
+    student_factor: float | None
+    """Student's factor t of these: U = t s; null where U is half of a derived interval."""
     k: float | None
-    """Its coverage factor."""
+    """Its coverage factor U / u."""
     expanded_uncertainty: float | None
-    """Its expanded uncertainty."""
+    """Its expanded uncertainty U."""
     exceeds_uncertainty: bool | None
     """Whether the difference exceeds that."""
     judgement: str | None

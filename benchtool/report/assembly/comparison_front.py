@@ -150,8 +150,8 @@ def _reading(comparisons: Sequence[Comparison]) -> Text:
     reference = next(iter(comparisons[0].results))
     return Text(
         f"Differences are taken against {reference}. A difference exceeds its uncertainty if it is larger "
-        f"than U, the expanded uncertainty for {100 * COVERAGE:g} % from both values, with k from their "
-        f"effective degrees of freedom; where one has no uncertainty, this is not decided. Better and worse "
-        f"are said only where a limit tells which direction is good.",
+        f"than U, the expanded uncertainty for {100 * COVERAGE:g} % from both values, with Student's factor "
+        f"of their effective degrees of freedom; where one has no uncertainty, this is not decided. Better "
+        f"and worse are said only where a limit tells which direction is good.",
         "note",
     )

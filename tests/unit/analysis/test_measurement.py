@@ -16,7 +16,7 @@ from benchtool.analysis import (
     measurements_from_json,
     measurements_to_json,
 )
-from benchtool.analysis.uncertainty import combined
+from benchtool.analysis.uncertainty import InstrumentError, combined
 from benchtool.errors import AnalysisError
 
 
@@ -105,3 +105,36 @@ def test_many_degrees_of_freedom_are_infinitely_many_and_the_others_have_twelve_
     two = combined([Contribution("a", "A", 0.1, 5.0), Contribution("b", "A", 0.1, 5.0)], "both")
     assert two is not None
     assert two.dof == 10.0
+
+
+def test_u_is_followed_from_what_is_stated() -> None:
+    """k = 1.98 stood beside 18 degrees of freedom, of which Student's factor is 2.10."""
+    lines = [Contribution("scatter", "A", 0.3, 5.0, of_student=True), Contribution("gain", "B", 0.1)]
+    uncertainty = combined(lines, "scatter")
+    assert uncertainty is not None
+    stated = uncertainty.to_json()
+    t, s = stated["student_factor"], stated["experimental"]
+    assert t == pytest.approx(stats.t.ppf(0.975, stated["dof"]), rel=1e-6)
+    assert s == pytest.approx(math.hypot(0.3 * math.sqrt(3.0 / 5.0), 0.1))
+    assert stated["expanded"] == pytest.approx(t * s)
+    assert stated["k"] == pytest.approx(stated["expanded"] / stated["standard"])
+    derived = Uncertainty(0.3, "extremes", half_width=0.4).to_json()
+    assert (derived["student_factor"], derived["expanded"]) == (None, 0.4)
+
+
+@pytest.mark.parametrize(("dof", "stated"), [(88353.2650888, 88353.0), (16.03212345678, 16.03212)])
+def test_degrees_of_freedom_have_no_digits_that_do_not_count(dof: float, stated: float) -> None:
+    uncertainty = combined([Contribution("scatter", "A", 0.3, dof)], "scatter")
+    assert uncertainty is not None
+    assert uncertainty.dof == stated
+
+
+@pytest.mark.parametrize(
+    ("gain", "source"), [(0.1, "scatter, gain of torque"), (0.9, "gain of torque, scatter")]
+)
+def test_the_source_names_instruments_before_what_is_smaller(gain: float, source: str) -> None:
+    """A mean was of its scatter, where gain and offset made all of its uncertainty."""
+    error = Contribution(
+        "gain of torque; U = 1 %, k = 2", "B", gain, instrument=InstrumentError("gain", "torque")
+    )
+    assert Uncertainty(0.3, "scatter").with_instruments([error, error]).source == source
