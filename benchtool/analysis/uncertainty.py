@@ -15,7 +15,6 @@ from benchtool.analysis.distributions import (
 )
 
 _MANY = 1e6  # degrees of freedom: k of infinitely many is less by a millionth
-_WHOLE = 1000.0  # from so many degrees of freedom on, k does not show parts of one
 
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
@@ -354,10 +353,7 @@ def _in_common(one: Uncertainty, two: Uncertainty) -> list[tuple[Contribution, C
 def _effective(square: float, fourth: float) -> float:
     """Return the effective degrees of freedom, of the sums u^2 and u_i^4 / dof_i (JCGM 100:2008, G.4.1);
     infinite where they are so many that k is that of infinitely many. Further digits do not show in k."""
-    if not fourth * _MANY > square**2:
-        return math.inf
-    dof = square**2 / fourth
-    return float(round(dof)) if dof > _WHOLE else float(f"{dof:.7g}")
+    return float(f"{square**2 / fourth:.7g}") if fourth * _MANY > square**2 else math.inf
 
 
 def coverage_factor(dof: float) -> float:
