@@ -12,6 +12,7 @@ from benchtool.analysis import (
     NOTHING,
     Measurement,
     catalogue,
+    count_of,
     number,
     probability,
     undefined,
@@ -25,6 +26,7 @@ from benchtool.plan import JudgedLimit, Limit
 from benchtool.results import (
     Assessment,
     Disagreement,
+    JudgedTogether,
     Repeated,
     RunResult,
     overdue_text,
@@ -177,8 +179,8 @@ def show_rows(output: Output, title: str, cases: Sequence[Assessment], names: Se
         )
         for name in names
     ]
-    names = Column("case", tuple(case.case for case in cases))
-    show_beside(output, f"{title}: value ± U (95 %)", [names], [[column] for column in columns])
+    first = Column("case", tuple(case.case for case in cases))
+    show_beside(output, f"{title}: value ± U (95 %)", [first], [[column] for column in columns])
 
 
 def show_repeated(
@@ -192,26 +194,30 @@ def show_repeated(
             for each in together
             if not names or each.name in names
         ]
-        columns = ("measurement", ">mean ± U (95 %)", ">n", "unit")
-        output.table(f"{case}: means of the repetitions", columns, rows)
-        judged = [each.judged for each in together if each.judged is not None]
-        if judged:
-            title = f"{case}: limits that hold for the {judged[0].judge} of {judged[0].count} repetitions"
-            limits = (
-                (each.name, _judged_value(each), _unit(each), each.limit.bounds, verdict_text(each))
-                for each in judged
-            )
-            columns = ("measurement", f">{judged[0].judge} ± U (95 %)", "unit", "limit", "verdict")
-            output.table(title, columns, list(limits))
-            _show_rules(output, {each.name: each for each in judged})
+        headings = ("measurement", ">mean ± U (95 %)", ">n", "unit")
+        output.table(f"{case}: means of the repetitions", headings, rows)
+        _show_judged(output, case, [each.judged for each in together if each.judged is not None])
 
 
-def _judged_value(judged: JudgedLimit) -> str:
-    return NOTHING if judged.measured is None else measured(judged.measured)
-
-
-def _unit(judged: JudgedLimit) -> str:
-    return "" if judged.measured is None else judged.measured.unit
+def _show_judged(output: Output, case: str, judged: Sequence[JudgedTogether]) -> None:
+    """Print the limits that hold for the repetitions of a case together, with the value that is judged."""
+    if not judged:
+        return
+    first = judged[0]
+    rows = [
+        (
+            each.name,
+            NOTHING if each.measured is None else measured(each.measured),
+            "" if each.measured is None else each.measured.unit,
+            each.limit.bounds,
+            verdict_text(each),
+        )
+        for each in judged
+    ]
+    title = f"{case}: limits that hold for the {first.judge} of {count_of(first.count, 'repetition')}"
+    headings = ("measurement", f">{first.judge} ± U (95 %)", "unit", "limit", "verdict")
+    output.table(title, headings, rows)
+    _show_rules(output, {each.name: each for each in judged})
 
 
 def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -> None:

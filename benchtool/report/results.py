@@ -163,8 +163,8 @@ def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
     )
     if not rows:
         return None
-    items = (Grid.of(headings, rows, shown=_SHOWN_ROWS), *(Text(each, "note") for each in _OF_BUDGETS))
-    return Section("Uncertainty budgets", items)
+    notes = [Text(each, "note") for each in _OF_BUDGETS]
+    return Section("Uncertainty budgets", (Grid.of(headings, rows, shown=_SHOWN_ROWS), *notes))
 
 
 def _whole(known: Uncertainty, unit: str) -> tuple[str, ...]:

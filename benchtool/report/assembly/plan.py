@@ -26,7 +26,7 @@ from benchtool.results import JudgedTogether, RecordedCase, RecordedRun, Repeate
 _MOST_FOREMOST = 5
 _FEW_CASES = 4
 _REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">n")
-_JUDGED = (">judged ± U (95 %)", "limit", "decision rule", ">P", "verdict")
+_OF_LIMITS = ("limit", "decision rule", ">P", "verdict")
 _WELL = (Verdict.NONE, Verdict.PASS)
 
 
@@ -106,18 +106,17 @@ def _over_repetitions(run: RecordedRun, names: Sequence[str]) -> Iterator[Item]:
         grid = Grid.of(headings, [_repeated_row(each, judged=bool(judged)) for each in together])
         missed = (each.judged.missed for each in together if each.judged)
         told = (Text(f"{str(each.verdict).capitalize()}: {each}.", "warning") for each in missed if each)
-        measured = [each.measured for each in together]
-        budgets = budgets_section(measured)
-        items = (grid, *told, *([] if budgets is None else [budgets]))
-        yield Section(f"{case} over its repetitions", items, folded=True, paper=False)
+        items: list[Item] = [grid, *told]
+        if (budgets := budgets_section([each.measured for each in together])) is not None:
+            items.append(budgets)
+        yield Section(f"{case} over its repetitions", tuple(items), folded=True, paper=False)
 
 
 def _headings(judged: Sequence[JudgedTogether]) -> tuple[str, ...]:
     """Return the headings of means and, where there are any, of the limits that hold for repetitions."""
     if not judged:
         return _REPEATED
-    value, *others = _JUDGED
-    return (*_REPEATED, value.replace("judged", judged[0].judge), *others)
+    return (*_REPEATED, f">{judged[0].judge} ± U (95 %)", *_OF_LIMITS)
 
 
 def _repeated_row(each: Repeated, *, judged: bool) -> tuple[str | Cell, ...]:
@@ -126,7 +125,7 @@ def _repeated_row(each: Repeated, *, judged: bool) -> tuple[str | Cell, ...]:
     row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
     held = each.judged
     if held is None:
-        return (*row, *("" for _ in _JUDGED)) if judged else row
+        return (*row, "", *("" for _ in _OF_LIMITS)) if judged else row
     return (
         *row,
         *(judged_value(held.measured), bounds_of(held.limit), held.limit.rule),
