@@ -19,7 +19,7 @@ from benchtool.cli.fitting import named
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.results import measured, show_run
 from benchtool.errors import RecordingError, UsageError
-from benchtool.profile import Bench, load_bench
+from benchtool.profile import load_bench
 from benchtool.recording import Bundle, enlist
 from benchtool.results import (
     Assessment,
@@ -231,7 +231,7 @@ def analyze(
             to_s=math.inf if to is None else to,
             rate_Hz=rate,
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
-            bench=Bench() if bench is None else load_bench(bench),
+            **_stated_sensors(bench),
             recorded_on=None if recorded_on is None else recorded_on.date(),
             decimal=decimal or "",
         )
@@ -268,6 +268,15 @@ def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
         output.line("")
     output.document({"analyses": {each.name: each.to_json() for each in catalogue().analyses}})
     return 0
+
+
+def _stated_sensors(bench: str | None) -> dict[str, Any]:
+    """Return `[bench]` of a file, and what else it may state than columns."""
+    if bench is None:
+        return {}
+    from benchtool.protocol.dictionary import sensed_units_of  # which needs the drive's dictionary
+
+    return {"bench": load_bench(bench), "signals": sensed_units_of(bench)}
 
 
 def _columns_of(csv: Path, decimal: str) -> str:

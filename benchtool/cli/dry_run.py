@@ -11,8 +11,9 @@ from benchtool.bench import dictionary_of, equipment_of
 from benchtool.cli.listing import count, duration, measured
 from benchtool.cli.output import Output
 from benchtool.cli.run import NamedPlan
-from benchtool.plan import TRANSDUCER, Case, Plan, cases, drive_time_s, expected_period_s
+from benchtool.plan import Case, Plan, cases, drive_time_s, expected_period_s
 from benchtool.profile import load_profile
+from benchtool.protocol.dictionary import TRANSDUCER
 from benchtool.results import Calibration, stated_overdue
 
 

@@ -53,7 +53,6 @@ from .rating import require_rated as require_rated
 from .sensor_ranges import require_protected as require_protected
 from .template import plan_text as plan_text
 from .validation import (
-    TRANSDUCER as TRANSDUCER,
     expected_period_s as expected_period_s,
     require_known as require_known,
 )

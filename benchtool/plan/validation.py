@@ -20,10 +20,7 @@ from benchtool.plan.rating import beyond_rating, speed_rad_s
 from benchtool.plan.source import Source
 from benchtool.profile import Profile, altered
 from benchtool.protocol import MOST_VALUES
-from benchtool.protocol.dictionary import Dictionary, setting_of
-
-TRANSDUCER: Final = "torque_transducer"
-"""Channel of a torque transducer, which is not in the dictionary."""
+from benchtool.protocol.dictionary import Dictionary, sensed_units, setting_of
 
 _FEWEST_PERIODS = 2
 _ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
@@ -113,18 +110,12 @@ def _in_profile(profile: Profile, file: Path | None, location: Path_) -> str:
 
 def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[str, str]]:
     """Yield the sensors of unknown channels, and errors stated in a wrong unit."""
-    units = {each.name: each.unit for each in dictionary if each.role == "signal"} | {TRANSDUCER: "Nm"}
+    units = sensed_units(dictionary)
     for name, sensor in profile.bench.channels.items():
         if name not in units:
             yield name, f"no channel '{name}' of drive or torque transducer: {closest(name, list(units))}"
-        elif sensor.unit and not units[name]:
-            yield name, f"'{name}' has no unit, its offset or resolution is in {sensor.unit}: leave them out"
-        elif sensor.unit and sensor.unit != units[name]:
-            yield (
-                name,
-                f"'{name}' is in {units[name]}, its offset or resolution in {sensor.unit}: "
-                f"state them in the channel's unit",
-            )
+        elif reason := sensor.misfit(units[name]):
+            yield name, f"'{name}' {reason}"
 
 
 def _as_written(faults: Faults, document: Mapping[str, Any]) -> Faults:

@@ -18,6 +18,9 @@ UNITS: Final = {"A": "A", "V": "V", "Nm": "Nm", "Wb": "Wb", "rad": "rad", "rad_s
 
 _WITH_UNIT: Final = ("offset_U", "offset_limit", "resolution")
 _ANGLE: Final = "theta_m"
+_GAIN_OF_AN_ANGLE: Final = (
+    "has an uncertainty of its gain, and an angle is exact after a whole revolution: state that of its offset"
+)
 _ROOT_3: Final = math.sqrt(3.0)
 
 
@@ -144,6 +147,15 @@ class Sensor(Instrument):
         """Standard uncertainty of the offset in the channel's unit; 0 where nothing is stated."""
         return self._standard(self.offset_U, self.offset_limit)
 
+    def misfit(self, unit: str) -> str:
+        """Return why this cannot be the sensor of a channel in a unit, as half a sentence behind its name;
+        empty if it can."""
+        if self.unit and not unit:
+            return f"has no unit, its offset or resolution is in {self.unit}: leave them out"
+        if self.unit and self.unit != unit:
+            return f"is in {unit}, its offset or resolution in {self.unit}: state them in the channel's unit"
+        return _GAIN_OF_AN_ANGLE if unit == UNITS["rad"] and self.gain_standard > 0.0 else ""
+
     @property
     def gain_text(self) -> str:
         """What is stated of the gain."""
@@ -203,8 +215,5 @@ class Bench(Section):
     def _an_angle_has_no_gain(self) -> Bench:
         angle = self.channels.get(_ANGLE)
         if angle is not None and angle.gain_standard > 0.0:
-            raise ValueError(
-                f"channels.{_ANGLE} has an uncertainty of its gain, and an angle is exact after a whole "
-                f"revolution: state that of its offset"
-            )
+            raise ValueError(f"channels.{_ANGLE} {_GAIN_OF_AN_ANGLE}")
         return self

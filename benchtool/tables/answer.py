@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from benchtool.analysis import Instruments, Measurement, Table, measurements_to_json, tables_to_json
+from benchtool.analysis import Measurement, Table, measurements_to_json, tables_to_json
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
-from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
-from benchtool.tables.columns import PHASES, TableColumns, TableQuestion, read_columns
+from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
 from benchtool.tables.record import Record
 from benchtool.tables.remarks import (
     Remark,
@@ -31,14 +29,8 @@ from benchtool.tables.remarks import (
     remarks,
     units_assumed,
 )
+from benchtool.tables.sensed_columns import SIGNALS, instruments
 from benchtool.tables.time_base import TimeBase, time_base
-
-_SENSED: Mapping[str, str] = {
-    **dict(zip(PHASES, ("i_a", "i_b", "i_c"), strict=True)),
-    "speed": "omega_m",
-    "angle": "theta_m",
-}
-"""Channel of a drive by the kind of a column, where the names differ."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +76,9 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
     found = list(results(record))
     tables = tuple(each for each in found if isinstance(each, Table))
     measured = tuple(each for each in found if isinstance(each, Measurement))
-    instruments = _instruments(record)
-    measurements = instruments.applied(measured)
-    tables = instruments.applied_to(tables)
+    sensors = instruments(columns, record)
+    measurements = sensors.applied(measured)
+    tables = sensors.applied_to(tables)
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *numbers_in_head(columns.table.layout),
@@ -99,7 +91,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
         *other_speed(record),
-        *overdue(instruments.bench, question.day),
+        *overdue(sensors.bench, question.day),
     )
     return TableAnswer(measurements, tables, _source(columns, record), record, odd)
 
@@ -122,7 +114,7 @@ def table_block(question: TableQuestion) -> Block:
             f"them with 'benchtool analyze --csv', which needs no even steps for ripple and orders"
         )
     named = tuple(
-        replace(channel, name=_SENSED.get(what, what)) for what, channel in columns.channels.items()
+        replace(channel, name=SIGNALS.get(what, what)) for what, channel in columns.channels.items()
     )
     return replace(block, channels=named)
 
@@ -131,39 +123,6 @@ def _base(columns: TableColumns) -> TimeBase:
     """Return the time base of the rows, refused where they may be of several tables."""
     base = time_base(columns.data[:, 0], columns.data[:, 1:])
     return replace(base, gaps=(), refusal=columns.joined) if columns.joined else base
-
-
-def _instruments(record: Record) -> Instruments:
-    """Return the sensors of the columns, and the clock that timed them."""
-    stated, sensors = record.question.bench.channels, {}
-    for what, channel in record.channels.items():
-        called = (*_names(channel.name), what, _SENSED.get(what, what))
-        name = next((each for each in called if each in stated), None)
-        if name is None:
-            continue
-        sensors[channel.name] = sensor = stated[name]
-        if sensor.unit and sensor.unit != channel.unit:
-            raise AnalysisError(
-                f"[bench.channels.{name}] is in {sensor.unit} and its column in {channel.unit}: state offset "
-                f"and resolution in that"
-            )
-    columns = ", ".join(channel.name for channel in record.channels.values())
-    if stated and not sensors:
-        raise AnalysisError(
-            f"[bench.channels] states {', '.join(stated)}, none of which is a column that is measured: call "
-            f"one as its column ({columns}) or as what it is ({', '.join(record.channels)})"
-        )
-    blocks = () if record.block is None else (record.block,)
-    return Instruments(
-        Bench(channels=sensors, clock=record.question.bench.clock),
-        blocks,
-        clock_of="the record",
-    )
-
-
-def _names(column: str) -> tuple[str, str]:
-    """Return the names of a column, with the unit behind it and without."""
-    return column, re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", column)
 
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:

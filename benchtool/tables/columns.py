@@ -44,7 +44,8 @@ class TableQuestion:
     are on the file's own time axis. Without `time` the rows are `rate_Hz` apart, the first at 0 s.
     `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
     `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are, and
-    the clock that timed the rows. `recorded_on` is the day of that, without which it is that of the file's
+    the clock that timed the rows; it may state those of `signals` of a drive, by their units, which are no
+    columns. `recorded_on` is the day of that, without which it is that of the file's
     last change. `decimal` is the decimal sign, where the numbers leave it open.
     """
 
@@ -59,6 +60,7 @@ class TableQuestion:
     rate_Hz: float | None = None
     omega_m_rad_s: float | None = None
     bench: Bench = field(default_factory=Bench)
+    signals: Mapping[str, str] = field(default_factory=dict)
     recorded_on: date | None = None
     decimal: str = ""
 

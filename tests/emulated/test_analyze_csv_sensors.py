@@ -83,8 +83,21 @@ def test_a_ripple_of_a_table_knows_gain_and_offset_of_its_column(invoke: Invoke)
 @pytest.mark.parametrize(
     ("bench", "message"),
     [
-        ("[bench.channels.CH2]\ngain_U_percent = 1.0", "states CH2, none of which is a column"),
-        ("[bench.channels.current]\noffset_U_V = 1.0", "is in V and its column in A"),
+        ("[bench.channels.u_dc]\ngain_U_percent = 1.0", "states u_dc, none of which is a column"),
+        ("[bench.channels.CH2]\ngain_U_percent = 1.0", "CH2]: no column of scope.csv and no channel of a"),
+        (
+            "[bench.channels.current]\nbandwidth_Hz = 1e5\n[bench.channels.curent]\ngain_U_percent = 1.0",
+            "curent]: no column of scope.csv and no channel of a drive: did you mean 'current'?",
+        ),
+        ("[bench.channels.current]\noffset_U_V = 1.0", "'CH1 [A]' is in A, its offset or resolution in V"),
+        (
+            "[bench.channels.current]\nbandwidth_Hz = 1e5\n[bench.channels.u_dc]\noffset_U_A = 1.0",
+            "'u_dc' is in V, its offset or resolution in A",
+        ),
+        (
+            "[bench.channels.CH1]\ngain_U_percent = 1.0\n[bench.channels.current]\ngain_U_percent = 2.0",
+            "'CH1' is stated too, which is the same column: leave one out",
+        ),
         ("title = 'none'", "has no section [bench]"),
     ],
 )
@@ -93,6 +106,20 @@ def test_a_bench_of_other_columns_is_refused(invoke: Invoke, bench: str, message
     result = invoke(*SCOPE, "--bench", "bench.toml")
     assert result.exit_code != 0
     assert message in result.stderr
+
+
+def test_a_gain_of_an_angle_is_refused_and_other_channels_of_a_drive_are_not(invoke: Invoke) -> None:
+    """As a profile refuses it; what a profile states of channels that the table does not have stays."""
+    time_s, current, angle = sinusoid(50.0)
+    write("x.csv", "t,CH1 [A],phi,CH2", [time_s, current, angle, current])
+    columns = ("--csv", "x.csv", "--time", "t", "--current", "CH1", "--angle", "phi", "--bench", "bench.toml")
+    Path("bench.toml").write_text("[bench.channels.angle]\ngain_U_percent = 1.0\n", encoding="utf-8")
+    refused = invoke(*columns)
+    assert refused.exit_code != 0
+    assert "'phi' has an uncertainty of its gain, and an angle is exact after a whole" in refused.stderr
+    others = "".join(f"[bench.channels.{name}]\ngain_U_percent = 1.0\n" for name in ("CH1", "CH2", "u_dc"))
+    Path("bench.toml").write_text(others, encoding="utf-8")
+    assert invoke(*columns).exit_code == 0
 
 
 def test_the_day_of_a_table_is_that_of_its_file_or_the_one_stated(invoke: Invoke) -> None:

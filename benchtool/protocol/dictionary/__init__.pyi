@@ -25,6 +25,11 @@ from .relations import (
     relations as relations,
 )
 from .roles import Role as Role
+from .sensed import (
+    TRANSDUCER as TRANSDUCER,
+    sensed_units as sensed_units,
+    sensed_units_of as sensed_units_of,
+)
 from .variable import (
     Value as Value,
     Variable as Variable,
