@@ -7,7 +7,14 @@ import re
 from datetime import date
 from typing import Annotated, Any, Final, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from benchtool.document import Section
 from benchtool.profile.equipment import Load, Supply, Temperature, Transducer
@@ -46,10 +53,12 @@ class Instrument(Section):
 
     @field_validator("calibrated", "due", mode="before")
     @classmethod
-    def _is_a_date(cls, due: object) -> object:
-        if isinstance(due, str):
-            raise ValueError("a date without quotes is expected, such as 2027-03-01")
-        return due
+    def _is_a_date(cls, due: object, info: ValidationInfo) -> object:
+        if not isinstance(due, str):
+            return due
+        if info.mode == "json":  # which has no dates
+            return date.fromisoformat(due)
+        raise ValueError("a date without quotes is expected, such as 2027-03-01")
 
     @model_validator(mode="after")
     def _due_after_calibration(self) -> Self:
@@ -122,6 +131,16 @@ class Sensor(Instrument):
         if "unit" in content:
             raise ValueError("the unit is that of the keys, such as offset_U_A: leave out 'unit'")
         return found | ({"unit": next(iter(units.values()))} if units else {})
+
+    @model_serializer(mode="wrap")
+    def _keys_with_units(self, fields: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Put the unit behind the keys again, as a document has them."""
+        ending = next((ending for ending, unit in UNITS.items() if unit == self.unit), "")
+        return {
+            f"{key}_{ending}" if key in _WITH_UNIT else key: value
+            for key, value in fields(self).items()
+            if key != "unit" and not (key in _WITH_UNIT and value is None)
+        }
 
     @model_validator(mode="after")
     def _stated_once(self) -> Sensor:

@@ -10,9 +10,9 @@ import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
 
 from pydantic import ValidationError
 
@@ -177,7 +177,7 @@ def valued(comparison: SideBySide[MeasuredCase]) -> list[str]:
 
 def _circumstances(result: Assessment) -> Iterator[tuple[Kind, Mapping[str, object]]]:
     manifest = read_manifest(result.bundle)[0]
-    plan = _plan(manifest)
+    plan, table = _plan(manifest), _OfTable.of(manifest)
     yield Kind.PARAMETERS, manifest.parameters
     own = ("limits", "case_limits", "analyses", "record", "operating_point")
     yield Kind.PLAN, _flat({key: value for key, value in plan.items() if key not in own})
@@ -185,11 +185,35 @@ def _circumstances(result: Assessment) -> Iterator[tuple[Kind, Mapping[str, obje
     yield Kind.REACHED, {}
     limits = dict(result.limits) | ({} if result.together is None else dict(result.together.limits))
     yield Kind.LIMITS, {name: limit.bounds for name, limit in limits.items()}
-    yield Kind.ANALYSES, _flat(plan.get("analyses", {}))
-    yield Kind.RECORDED, _rows(result)
+    yield Kind.ANALYSES, _flat(plan.get("analyses", {})) | table.options
+    yield Kind.RECORDED, _rows(result) | table.columns
     yield Kind.DRIVE, {"dictionary": manifest.dictionary_hash, **manifest.identity}
-    yield Kind.PROFILE, {"name": manifest.profile_name, **_flat(_profile(manifest))}
+    yield Kind.PROFILE, {"name": manifest.profile_name, **_flat(_profile(manifest)), **table.bench}
     yield Kind.SOFTWARE, {"link": manifest.link, "seed": manifest.seed, **manifest.versions}
+
+
+@dataclass(frozen=True)
+class _OfTable:
+    """What the numbers of a table of another tool rest on; nothing of other recordings."""
+
+    options: Mapping[str, object] = field(default_factory=dict)
+    columns: Mapping[str, object] = field(default_factory=dict)
+    bench: Mapping[str, object] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, manifest: Manifest) -> Self:
+        details = manifest.details
+        kept, source = details.get("table", {}), details.get("source", {})
+        if not isinstance(kept, Mapping) or not isinstance(source, Mapping):
+            return cls()
+        options = {key: value for key, value in kept.items() if key not in ("columns", "lost", "bench")}
+        told = ("name", "unit", "gain", "offset")
+        columns = {
+            f"columns.{what}.{key}": each.get(key)
+            for what, each in source.get("columns", {}).items()
+            for key in told
+        }
+        return cls(options, columns, _flat(kept.get("bench", {}), "bench."))
 
 
 def _rows(result: Assessment) -> dict[str, object]:
@@ -214,13 +238,16 @@ def _plan(manifest: Manifest) -> Mapping[str, Any]:
 
 
 def _profile(manifest: Manifest) -> Mapping[str, Any]:
-    """Return the profile of a bundle with its defaults, so that one that is written out is no difference."""
+    """Return the profile of a bundle with its defaults, so that one that is written out is no difference; of
+    the bench what is stated, since sensors have many keys."""
     try:
         content = tomllib.loads(manifest.profile_toml)
     except (ValueError, RecursionError):
         return {"content": manifest.profile_toml}
     try:
-        return Profile.model_validate(content).model_dump(mode="json", exclude={"choices", "claims"})
+        profile = Profile.model_validate(content)
+        whole = profile.model_dump(mode="json", exclude={"choices", "claims", "bench"})
+        return whole | {"bench": profile.bench.model_dump(mode="json", exclude_defaults=True)}
     except ValidationError:
         return content
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from benchtool.analysis import measurements_from_json, tables_from_json
+from benchtool.analysis import Measurement, Table, measurements_from_json, tables_from_json
+from benchtool.block import Block
 from benchtool.plan import Coordinates
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment
 from benchtool.results.recorded import Recorded
+from benchtool.tables import KeptTable
 
 TABLE: Final = "table"
 """The stream with the rows that were used."""
@@ -36,19 +38,45 @@ def assess_table(bundle: Bundle) -> Assessment:
         AnalysisError: its measurements cannot be read.
     """
     bundle.require_intact()
-    rows, info = bundle.block(TABLE), bundle.manifest.files.get(f"data/{TABLE}.parquet")
-    name = bundle.directory.name
+    rows = bundle.block(TABLE)
+    return _assessment(
+        bundle, rows, measurements_from_json(bundle.measurements), tables_from_json(bundle.tables)
+    )
+
+
+def is_measurable(bundle: Bundle) -> bool:
+    """Return whether a bundle holds all that the numbers of its table rest on; earlier ones do not."""
+    return is_table(bundle) and "table" in bundle.manifest.details
+
+
+def assess_table_again(bundle: Bundle) -> Assessment:
+    """Return what the rows of a bundle come to, measured as the table was.
+
+    Raises:
+        RecordingError: a file of the bundle is not what was written.
+        AnalysisError: what the table was measured by cannot be read.
+    """
+    bundle.require_intact()
+    rows = bundle.block(TABLE)
+    kept = KeptTable.of_document(bundle.manifest.details["table"])
+    return _assessment(bundle, rows, *kept.measured_again(rows))
+
+
+def _assessment(
+    bundle: Bundle, rows: Block, measurements: tuple[Measurement, ...], tables: tuple[Table, ...]
+) -> Assessment:
+    info, name = bundle.manifest.files.get(f"data/{TABLE}.parquet"), bundle.directory.name
     return Assessment(
         name,
         bundle.directory,
-        measurements_from_json(bundle.measurements),
+        measurements,
         (),
         {},
         {},
         rows,
         None,
         None,
-        tables_from_json(bundle.tables),
+        tables,
         coordinates=Coordinates(name),
         recorded=Recorded(TABLE, rows, None if info is None else info.sha256),
     )

@@ -16,6 +16,7 @@ from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
 from benchtool.results.runs import is_planned
 from benchtool.results.sessions import SESSION, differing_verdicts, read_session
+from benchtool.results.tables import assess_table_again, is_measurable
 
 _KEPT: Final = (MANIFEST, HASHES)
 
@@ -77,9 +78,11 @@ def verify_run(place: Path) -> Verification:
             bundle = Bundle.open(directory)
             if is_planned(bundle) and "capture" in bundle.streams:
                 found = assess_bundle(bundle)
+            elif is_measurable(bundle):
+                found = assess_table_again(bundle)
             else:
                 not_recomputed[name] = (
-                    "it has no capture of a plan: its files were compared with their hashes"
+                    "it has no capture of a plan and no table: its files were compared with their hashes"
                 )
                 continue
         except (RecordingError, AnalysisError) as failed:

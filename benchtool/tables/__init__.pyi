@@ -7,6 +7,7 @@ from .columns import (
     PHASES as PHASES,
     TableQuestion as TableQuestion,
 )
+from .kept import KeptTable as KeptTable
 from .record import Record as Record
 from .scaling import quantity as quantity
 from .text import TextTable as TextTable

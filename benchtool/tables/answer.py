@@ -10,10 +10,10 @@ from typing import Any
 from benchtool.analysis import Measurement, Table, measurements_to_json, tables_to_json
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
-from benchtool.tables.analyses import results
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
-from benchtool.tables.record import Record
+from benchtool.tables.kept import KeptTable, measured, sensors_of
+from benchtool.tables.record import Record, time_base_of
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
@@ -29,21 +29,22 @@ from benchtool.tables.remarks import (
     remarks,
     units_assumed,
 )
-from benchtool.tables.sensed_columns import SIGNALS, instruments
-from benchtool.tables.time_base import TimeBase, time_base
+from benchtool.tables.sensed_columns import SIGNALS, bench_of_columns
 
 
 @dataclass(frozen=True)
 class TableAnswer:
     """Measurements of a table; `source` describes what was read and how its time stamps were interpreted.
 
-    `record` has the rows that were used, `remarks` describe oddities.
+    `record` has the rows that were used, `kept` what else the measurements rest on, `remarks` describe
+    oddities.
     """
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
     source: Mapping[str, Any]
     record: Record
+    kept: KeptTable
     remarks: tuple[Remark, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
@@ -72,13 +73,11 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         AnalysisError: a column is missing, no rows are left, or a sensor is stated in another unit.
     """
     columns = read_columns(question)
-    record = Record(columns.data, _base(columns), columns.channels, question, columns.lost).unbroken
-    found = list(results(record))
-    tables = tuple(each for each in found if isinstance(each, Table))
-    measured = tuple(each for each in found if isinstance(each, Measurement))
-    sensors = instruments(columns, record)
-    measurements = sensors.applied(measured)
-    tables = sensors.applied_to(tables)
+    record = Record(
+        columns.data, time_base_of(columns.data, columns.joined), columns.channels, question, columns.lost
+    ).unbroken
+    bench = bench_of_columns(columns, record)
+    measurements, tables = measured(record, sensors_of(record, bench))
     odd = (
         *(Remark(RemarkKind.NAMED_BY_A_NUMBER, *each) for each in columns.called_by_numbers(question)),
         *numbers_in_head(columns.table.layout),
@@ -91,9 +90,10 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
         *other_speed(record),
-        *overdue(sensors.bench, question.day),
+        *overdue(bench, question.day),
     )
-    return TableAnswer(measurements, tables, _source(columns, record), record, odd)
+    kept = KeptTable.of(record, columns.joined, bench)
+    return TableAnswer(measurements, tables, _source(columns, record), record, kept, odd)
 
 
 def table_block(question: TableQuestion) -> Block:
@@ -106,7 +106,7 @@ def table_block(question: TableQuestion) -> Block:
         AnalysisError: a column is missing, no rows are left, or the time stamps are not even.
     """
     columns = read_columns(question)
-    base = _base(columns)
+    base = time_base_of(columns.data, columns.joined)
     block = Record(columns.data, base, columns.channels, question).block
     if block is None:
         raise AnalysisError(
@@ -117,12 +117,6 @@ def table_block(question: TableQuestion) -> Block:
         replace(channel, name=SIGNALS.get(what, what)) for what, channel in columns.channels.items()
     )
     return replace(block, channels=named)
-
-
-def _base(columns: TableColumns) -> TimeBase:
-    """Return the time base of the rows, refused where they may be of several tables."""
-    base = time_base(columns.data[:, 0], columns.data[:, 1:])
-    return replace(base, gaps=(), refusal=columns.joined) if columns.joined else base
 
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:

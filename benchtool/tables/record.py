@@ -174,6 +174,13 @@ class Record:
         return ""
 
 
+def time_base_of(data: NDArray[np.float64], joined: str) -> TimeBase:
+    """Return the time base of rows, shape (n, 1 + columns), the time first; refused where they are `joined`
+    of several tables."""
+    base = time_base(data[:, 0], data[:, 1:])
+    return replace(base, gaps=(), refusal=joined) if joined else base
+
+
 def _restored_angle(angle_rad: NDArray[np.float64], stale: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return an angle without jumps, shape (n,), that goes on where rows are stale."""
     rows = np.arange(len(angle_rad), dtype=np.float64)

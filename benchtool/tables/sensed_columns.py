@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from benchtool.analysis import Instruments
 from benchtool.document import closest
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
@@ -20,8 +19,8 @@ SIGNALS: Mapping[str, str] = {
 """Signal of a drive by the kind of a column, where the names differ."""
 
 
-def instruments(columns: TableColumns, record: Record) -> Instruments:
-    """Return the sensors of the columns, and the clock that timed the rows.
+def bench_of_columns(columns: TableColumns, record: Record) -> Bench:
+    """Return the sensors of the columns that are measured, by their names, and the clock that timed the rows.
 
     Raises:
         AnalysisError: `[bench.channels]` states what is no channel, one that has not such errors, or none of
@@ -39,8 +38,7 @@ def instruments(columns: TableColumns, record: Record) -> Instruments:
             f"[bench.channels] states {', '.join(bench.channels)}, none of which is a column that is "
             f"measured: {_remedy(record)}"
         )
-    blocks = () if record.block is None else (record.block,)
-    return Instruments(Bench(channels=sensors, clock=bench.clock), blocks, clock_of="the record")
+    return Bench(channels=sensors, clock=bench.clock)
 
 
 def _faults(columns: TableColumns, record: Record) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
+from benchtool.results import verify_run
 from tests.at_length import at_length
 from tests.emulated.analyze_csv import Invoke, analyze, measured
 from tests.emulated.csv_tables import phase_current, sinusoid, write
@@ -161,6 +162,44 @@ def test_bundles_of_tables_are_analysed_and_compared_as_they_were_measured(invok
     assert amplitude["percent"] == pytest.approx(-10.0, abs=0.1)
     assert amplitude["exceeds_uncertainty"] is True
     assert abs(thd["absolute"]) < 0.1
+
+
+def test_the_numbers_of_a_bundle_of_a_table_are_measured_again_to_the_bit(invoke: Invoke) -> None:
+    """Rows that are missing, or that have no even time, are kept as they were, and so are the sensors."""
+    Path("bench.toml").write_text(f"{BENCH}[bench.clock]\ntolerance_ppm = 50.0\n", encoding="utf-8")
+    time_s, current, angle = sinusoid(50.0)
+    current = current + 1e-3 * np.random.default_rng(0).standard_normal(len(current))
+    there = np.delete(np.arange(len(time_s)), [100, 2000])
+    uneven = time_s + 2e-5 * np.random.default_rng(1).random(len(time_s))
+    rows = {
+        "gaps": [time_s[there], current[there], angle[there]],
+        "uneven": [uneven, current, angle],
+    }
+    for name, columns in rows.items():
+        write(f"{name}.csv", "t,CH1 [A],phi", columns)
+        turning = ("--angle", "phi", "--pole-pairs", "4", "--bench", "bench.toml", "--out", name)
+        assert invoke("--csv", f"{name}.csv", *SCOPE[2:], *turning).exit_code == 0
+        found = verify_run(Path(name))
+        assert found.holds
+        assert found.recomputed > 5
+        assert not found.not_recomputed
+
+
+def test_compare_tells_that_sensors_and_gains_of_tables_differ(invoke: Invoke) -> None:
+    Path("bench.toml").write_text(BENCH, encoding="utf-8")
+    invoke(*SCOPE, "--out", "bare")
+    invoke(*SCOPE[:-1], "CH1:A*10", "--bench", "bench.toml", "--out", "sensed")
+    compared = CliRunner().invoke(app, ["compare", "bare", "sensed", "--json"])
+    (circumstances,) = json.loads(compared.stdout)["circumstances"].values()
+    assert circumstances["differing"]["profile"] == {
+        "bench.channels.CH1 [A].sensor": [None, "current probe"],
+        "bench.channels.CH1 [A].serial_number": [None, "C-3"],
+        "bench.channels.CH1 [A].certificate": [None, "2026-1"],
+        "bench.channels.CH1 [A].due": [None, "2000-01-01"],
+        "bench.channels.CH1 [A].gain_U_percent": [None, 0.5],
+        "bench.channels.CH1 [A].offset_limit_A": [None, 0.02],
+    }
+    assert circumstances["differing"]["recorded rows"] == {"columns.current.gain": [1.0, 10.0]}
 
 
 def test_what_a_probe_took_off_the_distortion_is_corrected(invoke: Invoke) -> None:

@@ -47,6 +47,7 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         details={
             "source": dict(answer.source) | {"hash": hashed.model_dump()},
             "remarks": [each.to_json() for each in answer.remarks],
+            "table": answer.kept.to_json(),
         },
     )
     with BundleWriter(folder, manifest) as bundle:

@@ -131,6 +131,14 @@ def test_an_angle_has_no_gain(tmp_path: Path) -> None:
     assert _bench(tmp_path, "[bench.channels.theta_m]\noffset_limit_rad = 0.1\n").channels["theta_m"].unit
 
 
+def test_a_bench_is_read_back_from_json_as_it_was_stated(tmp_path: Path) -> None:
+    section = "certificate = '7'\ncalibrated = 2026-01-31\ndue = 2027-01-31\noffset_limit_A = 0.1\n"
+    bench = _bench(tmp_path, f"[bench.channels.i_a]\n{section}[bench.clock]\ntolerance_ppm = 5\n")
+    document = bench.model_dump_json(exclude_defaults=True)
+    assert '"offset_limit_A":0.1' in document
+    assert Bench.model_validate_json(document) == bench
+
+
 def test_a_file_without_a_bench_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ProfileError, match=r"has no section \[bench\]"):
         _bench(tmp_path, "title = 'x'\n")

@@ -1,0 +1,128 @@
+"""What a bundle keeps of a measured table beside its rows, so that these can be measured again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from benchtool.analysis import Instruments, Measurement, Table
+from benchtool.block import Block
+from benchtool.document import Array, Section, defaults, explain
+from benchtool.errors import AnalysisError
+from benchtool.profile import Bench
+from benchtool.tables.analyses import results
+from benchtool.tables.columns import TableQuestion
+from benchtool.tables.lost import Lost
+from benchtool.tables.record import Record, time_base_of
+
+
+class KeptLoss(Section):
+    """What is missing among the rows, see `Lost`."""
+
+    left_out: dict[str, int] = Field(default_factory=dict)
+    within: int = 0
+    reasons: dict[str, str] = Field(default_factory=dict)
+    first: str = ""
+
+
+class KeptTable(Section):
+    """What the numbers of a table rest on beside its rows: `columns` are the kinds of those behind the time,
+    `joined` says why the rows are no one record, `bench` has the sensors by the columns' names."""
+
+    columns: Array[str]
+    pole_pairs: int | None = None
+    slots: int | None = None
+    torque_rated_Nm: float | None = None
+    rate_Hz: float | None = None
+    omega_m_rad_s: float | None = None
+    joined: str = ""
+    lost: KeptLoss = defaults(KeptLoss)
+    bench: Bench = defaults(Bench)
+
+    @classmethod
+    def of(cls, record: Record, joined: str, bench: Bench) -> KeptTable:
+        """Return what is kept of a record."""
+        question, lost = record.question, record.lost
+        return cls(
+            columns=tuple(record.channels),
+            pole_pairs=question.pole_pairs,
+            slots=question.slots,
+            torque_rated_Nm=question.torque_rated_Nm,
+            rate_Hz=question.rate_Hz,
+            omega_m_rad_s=question.omega_m_rad_s,
+            joined=joined,
+            lost=KeptLoss(
+                left_out=dict(lost.left_out), within=lost.within, reasons=dict(lost.reasons), first=lost.first
+            ),
+            bench=bench,
+        )
+
+    @classmethod
+    def of_document(cls, document: Any) -> KeptTable:
+        """Return it as `to_json` has written it.
+
+        Raises:
+            AnalysisError: this version does not understand it.
+        """
+        try:
+            return cls.model_validate_json(json.dumps(document))
+        except ValidationError as failed:
+            raise AnalysisError(
+                f"what the bundle keeps of its table cannot be read: {explain(cls, failed)}; use the "
+                f"benchtool that wrote it"
+            ) from None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what is stated, as the manifest of the bundle has it."""
+        return self.model_dump(mode="json", exclude_defaults=True)
+
+    def record(self, rows: Block) -> Record:
+        """Return the record of rows whose first channel is their time.
+
+        Raises:
+            AnalysisError: the rows have other columns.
+        """
+        channels = rows.channels[1:]
+        if len(channels) != len(self.columns):
+            raise AnalysisError(
+                f"the rows have {len(channels)} columns behind the time, {len(self.columns)} are expected"
+            )
+        question = TableQuestion(
+            Path(),
+            None,
+            {},
+            pole_pairs=self.pole_pairs,
+            slots=self.slots,
+            torque_rated_Nm=self.torque_rated_Nm,
+            rate_Hz=self.rate_Hz,
+            omega_m_rad_s=self.omega_m_rad_s,
+            bench=self.bench,
+        )
+        lost = Lost(self.lost.left_out, self.lost.within, self.lost.reasons, self.lost.first)
+        named = dict(zip(self.columns, channels, strict=True))
+        return Record(rows.data, time_base_of(rows.data, self.joined), named, question, lost)
+
+    def measured_again(self, rows: Block) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:
+        """Return measurements and tables of the rows.
+
+        Raises:
+            AnalysisError: as `record`.
+        """
+        record = self.record(rows)
+        return measured(record, sensors_of(record, self.bench))
+
+
+def sensors_of(record: Record, bench: Bench) -> Instruments:
+    """Return the sensors of a record's columns, which `bench` states by their names."""
+    return Instruments(bench, () if record.block is None else (record.block,), clock_of="the record")
+
+
+def measured(record: Record, sensors: Instruments) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:
+    """Return every number and table of a record, with the errors of its sensors."""
+    found = list(results(record))
+    numbers = tuple(each for each in found if isinstance(each, Measurement))
+    tables = tuple(each for each in found if isinstance(each, Table))
+    return sensors.applied(numbers), sensors.applied_to(tables)
