@@ -80,6 +80,7 @@ from .periods import (
     track_angle as track_angle,
     track_tone as track_tone,
 )
+from .phase.mean_frequency import signal_remarks as signal_remarks
 from .plug_ins import guarded as guarded
 from .quantisation.counted_line import (
     least_spread as least_spread,

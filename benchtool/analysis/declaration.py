@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from benchtool.analysis.measurement import Measurement, Table
+from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.document import Section
 
 if TYPE_CHECKING:
@@ -114,6 +114,14 @@ class Quantity:
         listed = {str(number) for number in getattr(settings, self.numbers)} if self.numbers else set()
         return "" if found is None or found[1] in listed else found[1]
 
+    def measured_names(self, settings: Section) -> tuple[str, ...]:
+        """Return the names that are measured in any case: without a pattern, or with the numbers that a
+        setting lists in it."""
+        if not self.pattern:
+            return self.names
+        numbers = getattr(settings, self.numbers) if self.numbers else ()
+        return tuple(re.sub(r"\(.*\)", str(number), self.pattern) for number in numbers)
+
     def to_json(self) -> list[dict[str, str]]:
         """As `benchtool analyze --list --json` has it, a measurement each."""
         pattern = {"pattern": self.pattern} if self.pattern else {}
@@ -194,6 +202,8 @@ class Analysis(Generic[Settings]):
         channel_settings: the settings that each name one more channel that it needs; an empty one names none.
         transducer: whether it needs the torque transducer as well.
         every_tick: whether it needs a capture with stride 1.
+        fewest_revolutions: mechanical revolutions that its window has to have; without them its measurements
+            are undefined.
         of_spectra: whether its numbers are of ratios of spectra, each frequency by itself: then the response
             of a sensor can be divided out of a channel.
         figures: of one case.
@@ -211,6 +221,7 @@ class Analysis(Generic[Settings]):
     channel_settings: tuple[str, ...] = ()
     transducer: bool = False
     every_tick: bool = False
+    fewest_revolutions: float = 0.0
     of_spectra: bool = False
     figures: tuple[Drawing, ...] = ()
     comparisons: tuple[Drawing, ...] = ()
@@ -248,6 +259,20 @@ class Analysis(Generic[Settings]):
 
         return replace(findings, measurements=tuple(map(on_channels, findings.measurements)))
 
+    def undefined(self, block: Block, settings: Section, reason: str) -> Findings:
+        """Return its measurements without values: those declared by name, and those that a setting lists."""
+        units = {channel.name: channel.unit for channel in block.channels}
+        rate_Hz = block.sample_rate_Hz
+        basis = Basis(len(block.data), rate_Hz, len(block.data) / rate_Hz, gaps=len(block.gaps))
+        found = []
+        for quantity in self.quantities:
+            unit = quantity.unit if isinstance(quantity.unit, str) else quantity.unit.resolve(settings, units)
+            found += [
+                Measurement.undefined(name, unit or "", quantity.text, reason, basis)
+                for name in quantity.measured_names(settings)
+            ]
+        return Findings(tuple(found))
+
     def missing(self, channels: Set[str], settings: Section) -> tuple[str, ...]:
         """Return the channels that it needs and that are not among these."""
         return tuple(name for name in self.needs(settings) if name not in channels)
@@ -263,6 +288,7 @@ class Analysis(Generic[Settings]):
         words = {
             "the torque transducer": self.transducer,
             "every control tick (stride 1)": self.every_tick,
+            f"{self.fewest_revolutions:g} mechanical revolutions": self.fewest_revolutions > 0.0,
         }
         return tuple(text for text, needed in words.items() if needed)
 

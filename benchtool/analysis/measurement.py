@@ -38,7 +38,8 @@ class Basis:
     component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
     largest. `bin_Hz` is the width of the bins that noise is stated of, and `band` half the width of the band,
     in the signal's unit, within which a signal counts as settled. `span_s` is how long after a step its
-    samples count.
+    samples count. `angle_Hz` is the electrical frequency by a rotor angle, where the phase of the signal gave
+    another.
     """
 
     samples: float | None = None
@@ -57,6 +58,7 @@ class Basis:
     bin_Hz: float | None = None
     band: float | None = None
     span_s: float | None = None
+    angle_Hz: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """Return the fields that apply."""

@@ -11,7 +11,7 @@ from benchtool.bench import dictionary_of, equipment_of
 from benchtool.cli.listing import count, duration, measured
 from benchtool.cli.output import Output
 from benchtool.cli.run import NamedPlan
-from benchtool.plan import Case, Plan, cases, drive_time_s, expected_period_s
+from benchtool.plan import Case, Plan, cases, drive_time_s, expected_period_s, not_made
 from benchtool.profile import load_profile
 from benchtool.protocol.dictionary import TRANSDUCER
 from benchtool.results import Calibration, stated_overdue
@@ -27,15 +27,19 @@ def show_dry_run(plans: Sequence[NamedPlan], link: str, output: Output) -> int:
 
 def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
     plan, period_s = named.plan, expected_period_s(load_profile(named.profile), dictionary_of(named.profile))
-    todo = cases(plan)
+    todo, bench = cases(plan), equipment_of(named.profile, link)
+    lacking = not_made(plan, transducer=bench.has_transducer)
     facts = {
         "profile": named.profile,
         "link": link,
-        **{f"bench: {name}": text for name, text in equipment_of(named.profile, link).lines().items()},
+        **{f"bench: {name}": text for name, text in bench.lines().items()},
         "sent to the drive": _settings(plan.setup) or "no parameters",
         "played": _played(plan),
         "recorded": _recorded(plan, period_s),
         "measured": measured(plan),
+        **(
+            {"not measured": "; ".join(f"{title} {why}" for title, why in lacking.items())} if lacking else {}
+        ),
         "limits": ", ".join((*plan.limits, *plan.case_limits)) or "of the operating point alone",
         "duration": f"about {duration(drive_time_s(plan))} of drive time for {count(len(todo))}",
     }
@@ -49,6 +53,7 @@ def _show(named: NamedPlan, link: str, output: Output) -> dict[str, Any]:
     return {
         **facts,
         **stated_overdue(late),
+        "not_measured": lacking,
         "duration_s": drive_time_s(plan),
         "setup": plan.setup,
         "cases": [

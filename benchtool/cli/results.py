@@ -119,8 +119,11 @@ def _disagreement_text(found: Disagreement, of: str) -> str:
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
-    """Print what was not measured for lack of channels, what uncertainties do not contain, and where the
-    drive contradicts the profile."""
+    """Print what is odd in the recordings, what was not measured for lack of channels, what uncertainties do
+    not contain, and where the drive contradicts the profile."""
+    for case in cases:
+        for text in case.remarks:
+            output.sentence(f"warning: {_of(case, cases)}{text}", "yellow")
     told: dict[str, None] = {}
     in_all = set.intersection(*(set(case.of_sensors) for case in cases)) if cases else set()
     for case in cases:

@@ -35,6 +35,7 @@ from .model import (
     recorded_plan as recorded_plan,
     shipped_plans as shipped_plans,
 )
+from .not_made import not_made as not_made
 from .operating_point import (
     NAMES as NAMES,
     CaseReadings as CaseReadings,

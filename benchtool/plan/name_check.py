@@ -3,15 +3,16 @@ draw."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from benchtool.analysis import Analysis, catalogue
 from benchtool.document import Path_, Section, closest, unit_suffix
-from benchtool.plan.cases import cases
+from benchtool.plan.cases import Case, cases
 from benchtool.plan.former_names import present_name
 from benchtool.plan.limits import Limit
 from benchtool.plan.model import Plan
+from benchtool.plan.not_made import few_revolutions
 from benchtool.plan.operating_point import NAMES as REACHED, targets
 from benchtool.profile import Motor
 from benchtool.telemetry import certificate_units
@@ -41,12 +42,14 @@ class NameCheck:
         """Yield every unknown name and every wrong unit, with its place in the plan."""
         plan = self.plan
         yield from self._analysis_faults()
+        todo = cases(plan)
         for name, limit in plan.limits.items():
-            yield from self._limit_fault(("limits", name), name, limit)
+            yield from self._limit_fault(("limits", name), name, limit, todo)
         for case, limits in plan.case_limits.items():
             yield from self._case_fault("case_limits", case)
             for name, limit in limits.items():
-                yield from self._limit_fault(("case_limits", case, name), name, limit)
+                of_it = [each for each in todo if case in (each.group, each.name)]
+                yield from self._limit_fault(("case_limits", case, name), name, limit, of_it)
         for case, figures in plan.published.items():
             yield from self._case_fault("published", case)
             for name in figures:
@@ -102,10 +105,13 @@ class NameCheck:
         if case not in names:
             yield (key, case), f"{key} names case '{case}', which the plan lacks: {closest(case, names)}"
 
-    def _limit_fault(self, place: Path_, name: str, limit: Limit) -> Faults:
+    def _limit_fault(self, place: Path_, name: str, limit: Limit, among: Sequence[Case]) -> Faults:
         if reason := self.why_not(name, quality=True):
             yield place, reason
             return
+        analysis = catalogue().measuring(name)
+        if analysis is not None and (few := few_revolutions(self.plan, analysis, among)):
+            yield place, f"'{name}' {few}"
         if limit.margin == "U" and self._is_never_uncertain(name):
             yield (
                 place,

@@ -10,10 +10,8 @@ from typing import Any
 
 from benchtool.analysis import (
     Analysis,
-    Basis,
     Excitation,
     Findings,
-    Measurement,
     Window,
     catalogue,
     measure,
@@ -54,6 +52,11 @@ class Planned:
             channels, self.settings, transducer=transducer, stride=block.stride
         )
 
+    @property
+    def too_far_apart(self) -> str:
+        """Why it is not possible though nothing is lacking."""
+        return f"every control tick is needed, these rows are {self.window.block.stride} ticks apart"
+
 
 def planned(analyses: Analyses, steady: Window | None, whole: Window | None) -> Iterator[Planned]:
     """Yield the analyses of a plan, in the order of the catalogue.
@@ -70,7 +73,9 @@ def planned(analyses: Analyses, steady: Window | None, whole: Window | None) -> 
 
 
 def measure_all(todo: Sequence[Planned]) -> dict[str, Findings]:
-    """Return the findings of every possible analysis, by name; made in parallel threads.
+    """Return the findings of every analysis that lacks nothing, by name; made in parallel threads.
+
+    The numbers of one that needs every tick are undefined where rows are further apart.
 
     Raises:
         AnalysisError: as the analyses: a gap, a dead signal, a speed that is not steady.
@@ -80,7 +85,7 @@ def measure_all(todo: Sequence[Planned]) -> dict[str, Findings]:
         if each.analysis.of_steady_state:
             require_unbroken(each.window.block)
             break  # they have one window
-    return _in_threads([each for each in todo if each.possible], _found)
+    return _in_threads([each for each in todo if not each.lacking], _found_of_rows)
 
 
 def measure_each(todo: Sequence[Planned]) -> dict[str, Findings]:
@@ -108,33 +113,25 @@ def _found(each: Planned) -> Findings:
     return measure(each.analysis, each.window, each.settings)
 
 
+def _found_of_rows(each: Planned) -> Findings:
+    return _found(each) if each.possible else _undefined(each, each.too_far_apart)
+
+
 def _found_or_undefined(each: Planned) -> Findings:
     try:
         if each.refusal:
             raise AnalysisError(each.refusal)
         if not each.possible:
-            raise AnalysisError(
-                f"every control tick is needed, these rows are {each.window.block.stride} ticks apart"
-            )
+            raise AnalysisError(each.too_far_apart)
         if each.analysis.of_steady_state:
             require_unbroken(each.window.block)
         return _found(each)
     except AnalysisError as refused:
-        return Findings(tuple(_undefined(each, str(refused))))
+        return _undefined(each, str(refused))
 
 
-def _undefined(each: Planned, reason: str) -> Iterator[Measurement]:
-    """Yield the numbers that an analysis declares by name, without values."""
-    block = each.window.block
-    units = {channel.name: channel.unit for channel in block.channels}
-    rate_Hz = block.sample_rate_Hz
-    basis = Basis(len(block.data), rate_Hz, len(block.data) / rate_Hz, gaps=len(block.gaps))
-    for quantity in each.analysis.quantities:
-        unit = (
-            quantity.unit if isinstance(quantity.unit, str) else quantity.unit.resolve(each.settings, units)
-        )
-        for name in () if quantity.pattern else quantity.names:
-            yield Measurement.undefined(name, unit or "", quantity.text, reason, basis)
+def _undefined(each: Planned, reason: str) -> Findings:
+    return each.analysis.undefined(each.window.block, each.settings, reason)
 
 
 def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:

@@ -15,6 +15,7 @@ from benchtool.analysis import (
     Table,
     measurements_to_json,
     sensor_remarks,
+    signal_remarks,
     tables_to_json,
 )
 from benchtool.block import Block
@@ -67,6 +68,11 @@ class Assessment:
     def of_sensors(self) -> tuple[str, ...]:
         """Remarks on the sensors, each once, general ones first."""
         return sensor_remarks(self.measurements)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Oddities of what was recorded that do not prevent measurements, a sentence each."""
+        return signal_remarks(self.measurements)
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -140,4 +146,5 @@ class Assessment:
         if self.together is not None:
             document["limits_together"] = self.together.to_json()
         document |= stated_overdue(self.overdue)
+        document |= {"remarks": list(self.remarks)} if self.remarks else {}
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})

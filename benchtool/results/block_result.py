@@ -31,6 +31,7 @@ from benchtool.analysis import (
     catalogue,
     measurements_to_json,
     sensor_remarks,
+    signal_remarks,
     steady_state_of,
     tables_to_json,
     undefined,
@@ -124,6 +125,11 @@ class BlockResult:
         """What is to be said of the sensors, each sentence once."""
         return sensor_remarks(self.measurements)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Oddities of what was recorded that do not prevent measurements, a sentence each."""
+        return signal_remarks(self.measurements)
+
     def to_json(self) -> dict[str, Any]:
         """As the JSON of a run has a case, without what only a plan knows."""
         document: dict[str, Any] = {
@@ -131,6 +137,7 @@ class BlockResult:
             "measurements": measurements_to_json(self.measurements),
         }
         document |= stated_overdue(self.overdue)
+        document |= {"remarks": list(self.remarks)} if self.remarks else {}
         return document | ({"tables": tables_to_json(self.tables)} if self.tables else {})
 
 

@@ -17,6 +17,7 @@ from benchtool.tables.record import Record, time_base_of
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
+    angle_departs,
     electrical,
     numbers_in_head,
     of_clock,
@@ -90,6 +91,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
         *other_speed(record),
+        *angle_departs(measurements),
         *overdue(bench, question.day),
     )
     kept = KeptTable.of(record, columns.joined, bench)

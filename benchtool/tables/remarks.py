@@ -11,7 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from benchtool.analysis import Measurement, clipping
+from benchtool.analysis import Measurement, clipping, signal_remarks
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
@@ -52,6 +52,7 @@ class RemarkKind(StrEnum):
     CALIBRATION_OVERDUE = "calibration_overdue"
     CALIBRATED_LATER = "calibrated_later"
     OTHER_SPEED = "other_speed"
+    ANGLE_DEPARTS = "angle_departs"
     ELECTRICAL = "electrical"
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
@@ -120,6 +121,12 @@ def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iter
             f"the current's fundamental is at {found[0]:.4g} Hz, {what} with {pole_pairs} pole pairs says "
             f"{expected_Hz:.4g} Hz: check the units of time and speed, and the pole pairs{slips}",
         )
+
+
+def angle_departs(measurements: Sequence[Measurement]) -> Iterator[Remark]:
+    """Yield that current and angle do not turn together."""
+    for text in signal_remarks(measurements):
+        yield Remark(RemarkKind.ANGLE_DEPARTS, "angle", text)
 
 
 def numbers_in_head(layout: Layout) -> Iterator[Remark]:

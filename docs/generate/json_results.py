@@ -111,6 +111,8 @@ class Basis(Document):
     """Half the width, in the signal's unit, within which it counts as settled; compared likewise."""
     span_s: float | None = None
     """How long after a step the samples count; compared likewise."""
+    angle_Hz: float | None = None
+    """Electrical frequency by the rotor angle, where the phase of the signal gave another."""
     alignment_s: float | None = None
     """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
 
@@ -301,6 +303,8 @@ class Case(Document):
     """Of a recording: stream, hash, rate and part that was measured."""
     overdue: list[Overdue] | None = None
     """Instruments whose calibration was due."""
+    remarks: list[str] | None = None
+    """A sentence for each oddity of what was recorded, such as an encoder that slips."""
     tables: dict[str, ResultTable] | None = None
     """Results that are tables, by name."""
     limits_together: LimitsTogether | None = None

@@ -16,6 +16,7 @@ _SMALLEST_JUMP = 0.8  # of the range of a wrapped angle: where it starts over
 _WRAP_TOLERANCE = 0.05
 _MOST_TURNS = 32  # until an angle starts over; more are counts of an encoder
 _SAME_RAD = 1e-9
+_STANDS = 0.01  # of a revolution: a rotor that moves by less stands
 _ROWS_PER_UPDATE = 1.2  # from which an angle may be updated more rarely than it is read
 _COUNTS_PER_UPDATE = 1.5  # of the least step: an angle that counts moves by one, rarely by two
 _COARSE = 1.2  # samples for each angle of each revolution, from which the angle is taken to count in steps
@@ -74,6 +75,20 @@ def angle_coverage(theta_m: NDArray[np.float64], name: str = "theta_m") -> Angle
         revolutions,
         float(arcs.max()),
         float(np.median(arcs[arcs > _SAME_RAD])) if is_coarse else 0.0,
+    )
+
+
+def few_revolutions(angle_rad: NDArray[np.float64], name: str, least: float) -> str:
+    """Return why an angle without wraps, rad, shape (n,), has too few revolutions for orders; empty if it has
+    enough."""
+    covered = float(np.ptp(angle_rad)) / TURN
+    if covered >= least:
+        return ""
+    if covered < _STANDS:
+        return f"'{name}' stands still, {least:g} mechanical revolutions are needed for orders"
+    return (
+        f"'{name}' covers {covered:.2f} mechanical revolutions, at least {least:g} are needed for orders: "
+        f"record a longer window"
     )
 
 

@@ -15,7 +15,13 @@ from pydantic import Field
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, Quantity
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.named_after import named_after
-from benchtool.analysis.orders.angle import TURN, AngleCoverage, angle_coverage, least_step_rad
+from benchtool.analysis.orders.angle import (
+    TURN,
+    AngleCoverage,
+    angle_coverage,
+    few_revolutions,
+    least_step_rad,
+)
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.order_spectrum import (
     BY_CHANCE,
@@ -139,11 +145,8 @@ def _by_time(
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     coverage = angle_coverage(angle_of(block, angle), angle)
-    if coverage.revolutions < FEWEST_REVOLUTIONS:
-        raise AnalysisError(
-            f"'{angle}' covers {coverage.revolutions:.2f} mechanical revolutions, at least "
-            f"{FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
-        )
+    if few := few_revolutions(coverage.angle_rad, angle, FEWEST_REVOLUTIONS):
+        raise AnalysisError(few)
     step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
     if step_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
         try:
@@ -356,10 +359,9 @@ class OrderSettings(Section):
     """Orders per mechanical revolution that are measured in any case."""
 
 
-def _revolutions(window: Window) -> float:
+def _few_revolutions(window: Window) -> str:
     require_finite(window.block.column("theta_m"), "theta_m")
-    theta_m = np.unwrap(window.block.column("theta_m"))
-    return abs(float(theta_m[-1] - theta_m[0])) / TURN
+    return few_revolutions(np.unwrap(window.block.column("theta_m")), "theta_m", FEWEST_REVOLUTIONS)
 
 
 def _resampled(window: Window) -> Revolutions | None:
@@ -376,8 +378,8 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
     """Return the analysis of a channel's orders, measurements named after `name`."""
 
     def measure(window: Window, settings: OrderSettings) -> Findings:
-        if window.cached(_revolutions) < FEWEST_REVOLUTIONS:
-            return Findings(())
+        if few := window.cached(_few_revolutions):
+            return analysis.undefined(window.block, settings, few)
         slots = None if window.motor is None else window.motor.slots
         found = order_analysis(
             window.block,
@@ -397,7 +399,7 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
         )
         return Findings((*found.measurements, *unknown), found.tables, found)
 
-    return Analysis(
+    analysis = Analysis(
         name=f"{name}_orders",
         title=f"{name} orders",
         measure=measure,
@@ -424,6 +426,7 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
             ),
         ),
         settings=OrderSettings,
+        fewest_revolutions=FEWEST_REVOLUTIONS,
         channels=("theta_m", channel),
         figures=(
             Drawing(
@@ -434,6 +437,7 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
             ),
         ),
     )
+    return analysis
 
 
 TORQUE_ORDERS: Final = _orders_of(_CHANNELS[0], "torque", "Nm")

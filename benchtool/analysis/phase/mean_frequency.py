@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -19,6 +20,8 @@ from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.repeatability import wander_of_difference
 from benchtool.analysis.uncertainty import Contribution, combined
 
+_LEAST_DEPARTURE_RAD = 0.2  # electrical, over the record
+_CLEARLY = 3.0  # expanded uncertainties
 _TOO_SHORT = (
     "an error of the angle's sensor does not show within {:.2g} revolutions, and the signal has {} whole "
     "periods, at least {} are needed to tell its own phase: record longer"
@@ -41,7 +44,9 @@ def frequency(
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
     if by_tone and track.measured_rad is not None:
-        text += f", of the signal; the angle alone gives {_of_angle_Hz(spectrum, track):.6g} Hz"
+        of_angle_Hz = _of_angle_Hz(spectrum, track)
+        text += f", of the signal; the angle alone gives {of_angle_Hz:.6g} Hz"
+        basis = replace(basis, angle_Hz=of_angle_Hz)
         if not reason and len(seen.phase_rad) < FEWEST:
             reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
     if by_tone and reason:
@@ -93,6 +98,27 @@ def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander
         return None
     name = "wander of the speed, by that of the phase within the record"
     return Contribution(name, "A", wander.standard / (2.0 * math.pi * duration_s), wander.dof)
+
+
+def signal_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
+    """Return the remark that a signal and a rotor angle do not turn together, if they do not."""
+    return tuple(filter(None, map(_departure, measurements)))
+
+
+def _departure(each: Measurement) -> str:
+    of_angle_Hz, duration_s = each.basis.angle_Hz, each.basis.duration_s
+    if of_angle_Hz is None or duration_s is None or each.uncertainty is None:
+        return ""
+    apart_Hz = abs(each.value - of_angle_Hz)
+    apart_rad = 2.0 * math.pi * apart_Hz * duration_s
+    if not (apart_rad > _LEAST_DEPARTURE_RAD and apart_Hz > _CLEARLY * each.uncertainty.expanded):
+        return ""
+    return (
+        f"by its own phase the current is at {each.value:.6g} Hz, by angle and pole pairs at "
+        f"{of_angle_Hz:.6g} Hz, {math.degrees(apart_rad):.3g}° electrical apart within the record: the "
+        f"encoder slips or loses counts, the load changes, or the machine is one that slips; orders rest on "
+        f"that angle"
+    )
 
 
 def _of_angle_Hz(spectrum: CoherentSpectrum, track: PhaseTrack) -> float:

@@ -82,6 +82,8 @@ def remarks(result: Assessment) -> Iterator[Item]:
     the drive contradicts the profile."""
     for late in result.overdue:
         yield Text(f"Overdue: {late}.", "warning")
+    for odd in result.remarks:
+        yield Text(f"{odd[0].upper()}{odd[1:]}.", "warning")
     for missed in result.missed:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
     apart = [each for each in result.disagreements if each.verdict is not result.verdicts.get(each.name)]

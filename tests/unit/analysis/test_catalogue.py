@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,7 +14,9 @@ import pytest
 from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.catalogue import BUILT_IN, CORE, catalogue, measure
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
+from benchtool.analysis.orders.orders import TORQUE_ORDERS, OrderSettings
 from benchtool.analysis.reference_page import filled, main
+from benchtool.analysis.torque.residual import RESIDUAL
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Section
@@ -97,6 +100,28 @@ def test_a_steady_state_measures_what_the_catalogue_says_and_nothing_else() -> N
         for each in findings.measurements:
             assert [one.name for one in BUILT_IN if one.quantity(each.name)] == [analysis]
     assert {name for analysis in catalogue().steady for name in analysis.names} <= set(found)
+
+
+def test_rows_of_no_single_tick_leave_numbers_of_every_tick_undefined_with_the_reason() -> None:
+    block, _ = steady_capture()
+    apart = replace(block, stride=2, data=block.data[::2])
+    found = measure_all(tuple(planned(Analyses(), Window.of(apart, EXAMPLE_MOTOR, None), None)))
+    assert list(found) == [each.name for each in catalogue().steady if not each.transducer]
+    assert {each.reason for each in found[RESIDUAL.name].measurements} == {
+        "every control tick is needed, these rows are 2 ticks apart"
+    }
+
+
+def test_too_few_revolutions_leave_every_order_undefined_with_the_reason() -> None:
+    """Those of the machine, and those that the settings name."""
+    block, _ = steady_capture()
+    few = replace(block, data=block.data[:1000])
+    findings = TORQUE_ORDERS.measure(Window.of(few, EXAMPLE_MOTOR), OrderSettings(orders=(24, 48)))
+    names = [each.name for each in findings.measurements]
+    assert names == [*TORQUE_ORDERS.names, "torque_order_24", "torque_order_48"]
+    for each in findings.measurements:
+        assert math.isnan(each.value)
+        assert each.reason.startswith("'theta_m' covers 1.25 mechanical revolutions, at least 2 are needed")
 
 
 def test_what_analyses_share_is_computed_once() -> None:

@@ -14,6 +14,7 @@ from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
 from benchtool.plan.cases import cases
 from benchtool.plan.model import load_plan
+from benchtool.plan.not_made import not_made
 from benchtool.plan.rated import for_motor
 from benchtool.plan.validation import require_known
 from benchtool.profile import load_profile, profile_path
@@ -403,6 +404,46 @@ def test_a_calibration_in_the_future_is_refused_before_a_run(tmp_path: Path, tab
     result = CliRunner().invoke(app, ["run", str(plan), "--dry-run"])
     assert result.exit_code == 2
     assert f"[{table}]: calibrated on 2999-01-01, and today is" in result.output
+
+
+SLOW = BASE.replace('"omega_m"]', '"omega_m", "theta_m"]').replace("31.42", "31.4159")
+
+
+@pytest.mark.parametrize(
+    ("duration_s", "complaint"),
+    [
+        (0.39, "lasts 0.39 s, 1.95 at 31.4159 rad/s: record 0.4 s at least"),
+        (0.401, ""),
+    ],
+)
+def test_a_limit_on_an_order_needs_two_revolutions(tmp_path: Path, duration_s: float, complaint: str) -> None:
+    text = SLOW.replace("duration_s = 0.2", f"duration_s = {duration_s}")
+    limited = f"{text}[limits]\ntorque_order_6p = {{ max = 1.0 }}\n"
+    if not complaint:
+        _check(tmp_path / "plan.toml", limited)
+        return
+    assert f"'torque_order_6p' needs 2 mechanical revolutions, the steady state {complaint}" in _refusal(
+        tmp_path / "plan.toml", limited
+    )
+
+
+def test_the_limit_of_a_case_needs_the_revolutions_of_that_case(tmp_path: Path) -> None:
+    swept = SLOW.replace("duration_s = 0.2", "duration_s = 0.21").replace('case = "warm"\n', "")
+    swept += "[sweep.operating_point]\nomega_m_rad_s = [31.4159, 62.8318]\n"
+    (tmp_path / "plan.toml").write_text(swept, encoding="utf-8")
+    slow, fast = (each.name for each in cases(load_plan(str(tmp_path / "plan.toml"))))
+    limited = '{}[case_limits."{}"]\ntorque_order_6p = {{ max = 1.0 }}\n'
+    told = _refusal(tmp_path / "plan.toml", limited.format(swept, slow))
+    assert f"1.05 at 31.4159 rad/s (case '{slow}')" in told
+    _check(tmp_path / "plan.toml", limited.format(swept, fast))
+
+
+def test_what_is_not_measured_is_known_before_the_run(tmp_path: Path) -> None:
+    (tmp_path / "plan.toml").write_text(SLOW, encoding="utf-8")
+    found = not_made(load_plan(str(tmp_path / "plan.toml")), transducer=False)
+    assert found["torque orders"].startswith("needs 2 mechanical revolutions, the steady state lasts 0.2 s")
+    assert found["current unbalance"] == "needs i_b, i_c"
+    assert "torque residual on the shaft" not in found
 
 
 def test_a_dry_run_tells_what_is_overdue(tmp_path: Path) -> None:

@@ -134,6 +134,20 @@ def test_the_sensors_of_the_profile_are_in_the_uncertainty() -> None:
     assert [each.channel for each in sensed.overdue] == ["torque"]
 
 
+@pytest.mark.parametrize("slip", [0.0, 0.01])
+def test_an_encoder_that_slips_is_a_remark(slip: float) -> None:
+    """The rotor turns by 8 revolutions, in 32 periods of the current; the encoder counts 1 % less."""
+    theta_m = 2.0 * np.pi * 4.0 * np.arange(20_000) / 1e4
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(len(theta_m))
+    angle = np.mod((1.0 - slip) * theta_m, 2.0 * np.pi)
+    units = {"i_a": "A", "theta_m": "rad"}
+    block = Block.from_arrays(1e4, units, i_a=np.cos(4.0 * theta_m) + noise, theta_m=angle)
+    result = analyze(block, PROFILE)
+    told = [text for text in result.remarks if "by angle and pole pairs at 15.84 Hz, 115° electrical" in text]
+    assert len(told) == len(result.remarks) == (1 if slip else 0)
+    assert result.to_json().get("remarks", []) == told
+
+
 def test_the_angle_alone_tells_at_which_frequency_an_order_was_read() -> None:
     """Order 12 at 25 revolutions per second is at 300 Hz."""
     theta_m = 2.0 * math.pi * 25.0 * np.arange(8_000) / 10e3
