@@ -131,11 +131,13 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Findings:
-    """Findings of an analysis; `result` holds what its figures draw besides the recorded channels."""
+    """Findings of an analysis; `result` holds what its figures draw besides the recorded channels, `refusal`
+    says why it was not made, so that no measurement has a value."""
 
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...] = ()
     result: Any = None
+    refusal: str = ""
 
 
 @dataclass(frozen=True)
@@ -271,7 +273,7 @@ class Analysis(Generic[Settings]):
                 Measurement.undefined(name, unit or "", quantity.text, reason, basis)
                 for name in quantity.measured_names(settings)
             ]
-        return Findings(tuple(found))
+        return Findings(tuple(found), refusal=reason)
 
     def missing(self, channels: Set[str], settings: Section) -> tuple[str, ...]:
         """Return the channels that it needs and that are not among these."""

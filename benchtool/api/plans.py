@@ -66,9 +66,11 @@ class CaseResult(Results):
     """What one case of a plan measured, and how it met its limits."""
 
     def __init__(self, assessment: Assessment) -> None:
-        lacking = {
+        lacking: dict[str, str] = {
             title: f"needs {', '.join(channels)}" for title, channels in assessment.without.items()
-        } | ({"the operating point was not reached": assessment.refusal} if assessment.refusal else {})
+        }
+        lacking |= assessment.refused
+        lacking |= {"the operating point was not reached": assessment.refusal} if assessment.refusal else {}
         super().__init__(assessment.measurements, assessment.tables, lacking)
         self.assessment = assessment
 

@@ -141,6 +141,9 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
         if case.without:
             lacking = (f"{title} ({', '.join(channels)})" for title, channels in case.without.items())
             told[f"not measured for lack of channels: {', '.join(lacking)}"] = None
+        told |= dict.fromkeys(
+            f"not measured: {', '.join(titles)}: {reason}" for reason, titles in case.refusals.items()
+        )
         for key, values in case.parameter_check.get("contradicted", {}).items():
             told[f"the drive held {key} = {values['drive']}, the profile states {values['profile']}"] = None
     for line in told:

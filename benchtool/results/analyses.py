@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -132,6 +133,15 @@ def _found_or_undefined(each: Planned) -> Findings:
 
 def _undefined(each: Planned, reason: str) -> Findings:
     return each.analysis.undefined(each.window.block, each.settings, reason)
+
+
+def with_numbers(findings: Mapping[str, Findings]) -> dict[str, Findings]:
+    """Return the findings of the analyses that found a number, or have none: what figures can draw."""
+    return {
+        name: found
+        for name, found in findings.items()
+        if not found.measurements or any(math.isfinite(each.value) for each in found.measurements)
+    }
 
 
 def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:

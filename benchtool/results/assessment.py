@@ -32,12 +32,12 @@ class Assessment:
 
     `quality` is what the recording's certificate measured; limits hold for it as well. `limits` are the
     plan's for each case and, where it sets none, those of the operating point; `together` are those that hold
-    for its repetitions together, and not for one by itself. `without` names analyses that
-    lack channels, with these. `parameter_check` is the result of `ParameterCheck.to_json`. `refusal` is the
-    reason why only the operating point was measured, if that was not reached. `overdue` are the instruments
-    whose calibration was due before the run. `findings` are those of each analysis, by its name, and
-    `coordinates` those of the case in its plan. `recorded` says which rows of a recording without a plan
-    these are.
+    for its repetitions together, and not for one by itself. `without` names analyses that lack channels, with
+    these, `refused` those that the rows do not allow, with the reason. `parameter_check` is the result of
+    `ParameterCheck.to_json`. `refusal` is the reason why only the operating point was measured, if that was
+    not reached. `overdue` are the instruments whose calibration was due before the run. `findings` are those
+    of each analysis, by its name, and `coordinates` those of the case in its plan. `recorded` says which rows
+    of a recording without a plan these are.
     """
 
     case: str
@@ -58,6 +58,7 @@ class Assessment:
     coordinates: Coordinates = field(default_factory=partial(Coordinates, ""))
     recorded: Recorded | None = None
     together: LimitsTogether | None = None
+    refused: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def stream(self) -> str:
@@ -73,6 +74,14 @@ class Assessment:
     def remarks(self) -> tuple[str, ...]:
         """Oddities of what was recorded that do not prevent measurements, a sentence each."""
         return signal_remarks(self.measurements)
+
+    @property
+    def refusals(self) -> dict[str, list[str]]:
+        """Titles of the analyses that the rows do not allow, by the reason."""
+        found: dict[str, list[str]] = {}
+        for title, reason in self.refused.items():
+            found.setdefault(reason, []).append(title)
+        return found
 
     @property
     def found(self) -> Mapping[str, Measurement]:
@@ -136,7 +145,8 @@ class Assessment:
             "limits": {name: each.to_json() for name, each in self.judged.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
-            "not_measured": {title: list(channels) for title, channels in self.without.items()},
+            "not_measured": {title: list(channels) for title, channels in self.without.items()}
+            | {title: [reason] for title, reason in self.refused.items()},
             "different_parameters": dict(self.parameter_check.get("contradicted", {})),
             "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),

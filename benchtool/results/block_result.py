@@ -8,7 +8,6 @@ What cannot be told of it is undefined, with the reason; what lacks channels is 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
@@ -41,7 +40,7 @@ from benchtool.document import explain
 from benchtool.errors import AnalysisError
 from benchtool.plan import Analyses
 from benchtool.profile import Motor, Profile
-from benchtool.results.analyses import Planned, measure_each, planned, without_channels
+from benchtool.results.analyses import Planned, measure_each, planned, with_numbers, without_channels
 from benchtool.results.calibration import Calibration, Overdue, stated_overdue
 from benchtool.results.common_band import with_common_band
 from benchtool.results.remeasurement import remeasured
@@ -104,11 +103,7 @@ class BlockResult:
     @property
     def made(self) -> Mapping[str, Findings]:
         """The findings of the analyses that found a number, or have none."""
-        return {
-            name: found
-            for name, found in self.findings.items()
-            if not found.measurements or any(math.isfinite(each.value) for each in found.measurements)
-        }
+        return with_numbers(self.findings)
 
     @property
     def steady(self) -> SteadyState:

@@ -15,6 +15,7 @@ from benchtool.analysis import (
     Measurement,
     Perturbed,
     Table,
+    catalogue,
     measurements_from_json,
     steady_state_of,
 )
@@ -35,7 +36,7 @@ from benchtool.plan import (
 )
 from benchtool.profile import Motor
 from benchtool.recording import Bundle
-from benchtool.results.analyses import measure_all, of_plan, without_channels
+from benchtool.results.analyses import measure_all, of_plan, with_numbers, without_channels
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Calibration
 from benchtool.results.common_band import with_common_band
@@ -71,8 +72,10 @@ def assess(
     reached = measure_reached(wanted, plan, point, motor, capture, transducer, seen)
     own = limits_alone(plan, this)
     limits = {**own, **{name: each for name, each in default_limits(wanted).items() if name not in own}}
+    published = {**plan.published.get(this.group, {}), **plan.published.get(case, {})}
     try:
-        answers, refusal = _answer(plan, motor, capture, transducer), ""
+        asked = frozenset((*limits, *published, *plan.tabulate))
+        answers, refusal = _answer(plan, motor, capture, transducer, asked), ""
     except AnalysisError as refused:
         held = (JudgedLimit.of(each.name, limits[each.name], each) for each in reached if each.name in limits)
         if all(each.verdict is Verdict.PASS for each in held):
@@ -103,47 +106,67 @@ def assess(
             lambda narrow: of_plan(plan, motor, narrow, transducer),
             instruments,
         )
+    made = with_numbers(answers.findings)
     return Assessment(
         case,
         bundle,
         measurements,
         quality,
         limits,
-        {**plan.published.get(this.group, {}), **plan.published.get(case, {})},
+        published,
         capture,
         transducer,
-        steady_state_of(answers.findings) if plan.analyses.steady and not refusal else None,
+        steady_state_of(made) if plan.analyses.steady and not refusal else None,
         instruments.applied_to(answers.tables),
-        answers.findings,
+        made,
         answers.without,
         seen.parameter_check,
         refusal,
         calibration.overdue(name for block in blocks for name in block.names),
         this.coordinates,
         together=LimitsTogether.of(plan, this.group),
+        refused=answers.refused,
     )
 
 
 @dataclass(frozen=True)
 class _Answers:
-    """Findings of the analyses of a plan, by name, and analyses that lack channels."""
+    """Findings of the analyses of a plan, by name, and analyses that lack channels.
+
+    Of an analysis that was not made the numbers that are `asked` for by name are listed, without a value; it
+    is told once by its title, `refused`.
+    """
 
     findings: Mapping[str, Findings] = field(default_factory=dict)
     without: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    asked: frozenset[str] = frozenset()
 
     @property
     def measurements(self) -> tuple[Measurement, ...]:
-        return tuple(each for found in self.findings.values() for each in found.measurements)
+        return tuple(
+            each
+            for found in self.findings.values()
+            for each in found.measurements
+            if not found.refusal or each.name in self.asked
+        )
+
+    @property
+    def refused(self) -> dict[str, str]:
+        """The analyses that were not made, by title, and why."""
+        titles = {each.name: each.title for each in catalogue().analyses}
+        return {titles[name]: found.refusal for name, found in self.findings.items() if found.refusal}
 
     @property
     def tables(self) -> tuple[Table, ...]:
         return tuple(each for found in self.findings.values() for each in found.tables)
 
 
-def _answer(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> _Answers:
-    """Make every analysis of a plan."""
+def _answer(
+    plan: Plan, motor: Motor, capture: Block, transducer: Block | None, asked: frozenset[str]
+) -> _Answers:
+    """Make every analysis of a plan; numbers that are `asked` for have a reason where they have no value."""
     todo = of_plan(plan, motor, capture, transducer)
-    return _Answers(measure_all(todo), without_channels(todo))
+    return _Answers(measure_all(todo), without_channels(todo), asked)
 
 
 def assess_bundle(bundle: Bundle) -> Assessment:

@@ -292,7 +292,7 @@ class Case(Document):
     refusal: str
     """Why nothing could be measured; empty otherwise."""
     not_measured: dict[str, list[str]]
-    """Analyses that were left out, with the channels that they lack."""
+    """Analyses that were not made, with the channels that they lack, or with the reason."""
     different_parameters: dict[str, Any]
     """Parameters in which drive and profile differ."""
     unstated_parameters: dict[str, Any]

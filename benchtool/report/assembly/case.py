@@ -52,6 +52,8 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
     if result is not None:
         yield measurements_section("Measurements", result.measurements, limits, result.published)
         yield from (Text(f"{text[0].upper()}{text[1:]}.", "note") for text in result.of_sensors)
+        for reason, titles in result.refusals.items():
+            yield Text(f"Not measured: {', '.join(titles)}: {reason}.", "note")
         if not brief and (tables := tables_section(result.tables)) is not None:
             yield tables
     elif case.error is None and case.bundle.measurements:  # of a table of another tool
