@@ -163,9 +163,9 @@ def rows_of_marks(marks: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.ceil(marks - _ON_A_ROW).astype(np.int64)
 
 
-def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
+def track_angle(theta_m: NDArray[np.float64], pole_pairs: int, name: str = "theta_m") -> PhaseTrack:
     """Return the track of the measured rotor angle, rad mechanical, shape (n,), wrapped or not, of either
-    direction.
+    direction; `name` stands in the messages.
 
     Quadratic least-squares fit to `pole_pairs * theta_m`: mean speed and mean acceleration, without what it
     does in every electrical period alike, which pulls at the fit where the periods are not whole.
@@ -174,11 +174,12 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
         AnalysisError: fewer than two periods, not finite, standstill, or the speed changes by
             more than 10 % within the record, or its direction.
     """
-    require_signal(theta_m, "theta_m")
+    require_signal(theta_m, name, "rad")
     theta_e = _unwrap(theta_m)
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
-    _require_periods(float(theta_e[-1] - theta_e[0]), "theta_m")
-    _require_direction(theta_e)
+    _require_periods(float(np.ptp(theta_e)), name)
+    _require_direction(theta_e, name)
+    _require_periods(float(theta_e[-1] - theta_e[0]), name)
     step_rad = (
         step_of_counts(theta_e, pole_pairs * _resolution_rad(theta_m))
         or step_of_counts(theta_e, pole_pairs * _digit_rad(theta_m))
@@ -199,7 +200,7 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int) -> PhaseTrack:
             f"the speed changes by {100 * change:.0f} % within the window, at most "
             f"{100 * _LARGEST_SPEED_CHANGE:.0f} % is allowed: choose a window in steady state"
         )
-    source = f"quadratic fit to {pole_pairs} x theta_m"
+    source = f"quadratic fit to {pole_pairs} x {name}"
     return PhaseTrack(
         phase, len(theta_e), source, residual_rad, theta_e, resolution_rad=step_rad, pole_pairs=pole_pairs
     )
@@ -402,7 +403,7 @@ def _abscissae(count: int) -> Iterator[tuple[slice, NDArray[np.float64]]]:
         yield slice(start, end), np.arange(start, end, dtype=np.float64) * (2.0 / (count - 1)) - 1.0
 
 
-def _require_direction(angle: NDArray[np.float64]) -> None:
+def _require_direction(angle: NDArray[np.float64], name: str) -> None:
     """Refuse an angle, rad, that between fiftieths of the record goes back by more than a fiftieth of a turn.
 
     Within them noise and the steps of an encoder may go back and forth.
@@ -411,7 +412,7 @@ def _require_direction(angle: NDArray[np.float64]) -> None:
     back = float(np.max(np.maximum.accumulate(marks) - marks))
     if back > max(_BACKWARDS * 2 * np.pi, _BACKWARDS * float(marks[-1] - marks[0])):
         raise AnalysisError(
-            f"'theta_m' turns back by {back / (2 * np.pi):.3g} electrical periods within the window, one "
+            f"'{name}' turns back by {back / (2 * np.pi):.3g} electrical periods within the window, one "
             f"direction is needed: choose a window in steady state"
         )
 

@@ -21,7 +21,7 @@ _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the 
 _FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
 
 
-def require_signal(samples: NDArray[np.float64], name: str) -> None:
+def require_signal(samples: NDArray[np.float64], name: str, unit: str = "") -> None:
     """Refuse samples, shape (n,), from which no number should be made.
 
     A constant is refused, because sampled noise is never constant: the channel is dead or the drive is off,
@@ -38,9 +38,14 @@ def require_signal(samples: NDArray[np.float64], name: str) -> None:
     low, high = float(np.min(samples)), float(np.max(samples))
     if low == high:
         raise AnalysisError(
-            f"'{name}' is constant at {low:g} over {len(samples)} samples, a live signal is expected: check "
-            f"that the drive was enabled and the channel is measured"
+            f"'{name}' is constant at {with_unit(low, unit)} over {len(samples)} samples, a live signal is "
+            f"expected: check that the drive was enabled and the channel is measured"
         )
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a value as messages have it, with its unit if it has one."""
+    return f"{value:.6g} {unit}".rstrip()
 
 
 def require_finite(samples: NDArray[np.float64], name: str) -> None:
@@ -91,7 +96,7 @@ def require_unbroken(block: Block) -> None:
         )
 
 
-def clipping(samples: NDArray[np.float64]) -> str:
+def clipping(samples: NDArray[np.float64], unit: str = "") -> str:
     """Return why a record, shape (n,), of a signal that changes counts as clipped; empty if it does not.
 
     Clipped is what is at its greatest or least value much oftener than at the values beside it: the peak of a
@@ -104,19 +109,19 @@ def clipping(samples: NDArray[np.float64]) -> str:
         if share := clipped_share(sign * samples):
             value = sign * float(np.max(sign * samples))
             return (
-                f"{100.0 * share:.2g} % of the samples are at the {word} value, {value:.4g}: the record is "
-                f"clipped"
+                f"{100.0 * share:.2g} % of the samples are at the {word} value, {with_unit(value, unit)}: "
+                f"the record is clipped"
             )
     return ""
 
 
-def require_unclipped(samples: NDArray[np.float64], name: str) -> None:
+def require_unclipped(samples: NDArray[np.float64], name: str, unit: str = "") -> None:
     """Refuse samples, shape (n,), that are clipped: lines of them are too small.
 
     Raises:
         AnalysisError: as `clipping` says.
     """
-    if clipped := clipping(samples):
+    if clipped := clipping(samples, unit):
         raise AnalysisError(f"'{name}': {clipped}")
 
 
@@ -158,7 +163,7 @@ def _is_no_crest(values: NDArray[np.float64], counts: NDArray[np.int64]) -> bool
     return share > expected and within * divergence > -math.log(_CRESTS_BY_CHANCE)
 
 
-def standing(samples: NDArray[np.float64]) -> str:
+def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     """Return why a record, shape (n,), of a signal that changes counts as held for a while, as by a sensor or
     a link that repeats its last value; empty if it does not.
 
@@ -181,8 +186,8 @@ def standing(samples: NDArray[np.float64]) -> str:
         return ""
     value, row = float(samples[moves[longest] + 1]), int(moves[longest]) + 1
     return (
-        f"{held} samples in a row from row {row} (from 0) are {value:.4g}, and the next is elsewhere: the "
-        f"sensor or the link stood still"
+        f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and the next is "
+        f"elsewhere: the sensor or the link stood still"
     )
 
 

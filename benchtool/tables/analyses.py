@@ -168,7 +168,7 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
     base = record.base
     if record.uniform is None:
         raise AnalysisError(record.uneven)
-    require_signal(record.column("current"), name)
+    require_signal(record.column("current"), name, record.channels["current"].unit)
     track = periods.of_phase_current()
     found = current_spectrum(record.uniform, name, track, rate_relative=record.rate_relative)
     if base.gaps_known:

@@ -14,6 +14,7 @@ from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped
 from benchtool.analysis.phase import PeriodMarks, marks_of_rotor, marks_of_tone
 from benchtool.errors import AnalysisError
 from benchtool.tables.record import Record
+from benchtool.tables.regimes import regimes
 
 _LARGEST_MEAN = 0.5  # of the largest sinusoid: beyond it the current is not that of a phase
 _LEAST_SHARE = 0.1  # of the power of the ripple in the largest sinusoid
@@ -51,7 +52,7 @@ class Periods:
         if track is not None and (reason := self._contradiction(track)):
             raise AnalysisError(reason)
         if track is None:
-            track = track_tone(self.record.column("current"), name)
+            track = self._of_tone(name)
         if reason := self._not_ac(track):
             raise AnalysisError(reason)
         return track
@@ -113,7 +114,7 @@ class Periods:
         if "angle" not in self.record.channels or pole_pairs is None:
             return None
         name = self.record.channels["angle"].name
-        track = track_angle(unwrapped_angle(self.record.column("angle"), name), pole_pairs)
+        track = track_angle(unwrapped_angle(self.record.column("angle"), name), pole_pairs, name)
         if track.periods > 0.5 * track.samples:
             raise AnalysisError(
                 f"'{name}' has {track.periods:.4g} electrical periods in "
@@ -131,6 +132,26 @@ class Periods:
         if track is not None and not self._contradiction(track):
             return track
         return self._tone
+
+    def _of_tone(self, name: str) -> PhaseTrack:
+        """Return the current's own sinusoid.
+
+        Raises:
+            AnalysisError: it has none; of a direct current that is why.
+        """
+        samples = self.record.column("current")
+        try:
+            return track_tone(samples, name)
+        except AnalysisError as refused:
+            mean, deviation = float(np.mean(samples)), float(np.std(samples))
+            if not abs(mean) > _LARGEST_MEAN * math.sqrt(2.0) * deviation:
+                raise
+            found = regimes(samples, "A")
+            levels = f" in {found.levels} regimes" if found else ""
+            raise AnalysisError(
+                f"'{name}' has a mean of {mean:.3g} A and a ripple of {deviation:.3g} A rms: a direct current"
+                f"{levels}, or one in rotating coordinates, has no fundamental"
+            ) from refused
 
     @cached_property
     def _tone(self) -> PhaseTrack | None:

@@ -168,7 +168,7 @@ class Record:
         if reason := self.lost.reason(what):
             return f"'{self.channels[what].name}': {reason}"
         try:
-            require_signal(self.column(what), self.channels[what].name)
+            require_signal(self.column(what), self.channels[what].name, self.channels[what].unit)
         except AnalysisError as refused:
             return str(refused)
         return ""

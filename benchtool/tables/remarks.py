@@ -257,7 +257,7 @@ def remarks(record: Record) -> Iterator[Remark]:
         samples = record.column(what)
         if what == "angle":
             continue
-        if clipped := clipping(samples):
+        if clipped := clipping(samples, channel.unit):
             yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
         if found := regimes(samples, channel.unit):
             kind = RemarkKind.TWO_REGIMES if found.levels == 2 else RemarkKind.SEVERAL_REGIMES

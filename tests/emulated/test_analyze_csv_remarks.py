@@ -10,7 +10,7 @@ import pytest
 
 from benchtool.recording import Bundle
 from tests.emulated.analyze_csv import Invoke, analyze, measured, values
-from tests.emulated.csv_tables import TURN, write
+from tests.emulated.csv_tables import TURN, sinusoid, write
 
 
 @pytest.fixture
@@ -105,6 +105,40 @@ def test_oddities_are_remarks_and_a_bundle_and_a_report_are_kept(invoke: Invoke)
     page = Path("kept/report.html").read_text(encoding="utf-8")
     assert "two regimes" in page
     assert "torque_ripple_pp" in page
+
+
+@pytest.mark.parametrize(
+    ("kind", "reason"),
+    [
+        ("turns back", "'angle [deg]' turns back by 10 electrical periods within the window"),
+        (
+            "dc",
+            "'ia [mA]' has a mean of 0.232 A and a ripple of 0.0848 A rms: a direct current in 2",
+        ),
+        (
+            "clicks",
+            "3 samples are far from their neighbours, the first, 50 A, in row 100 (from 0): clicks, at",
+        ),
+        ("held", "'ia [mA]' is constant at 2.5 A over 10000 samples"),
+    ],
+)
+def test_reasons_name_the_column_the_unit_and_the_cause(invoke: Invoke, kind: str, reason: str) -> None:
+    time_s, current, angle = sinusoid(20.0)
+    current = current + 1e-3 * np.random.default_rng(3).standard_normal(len(current))
+    if kind == "turns back":
+        angle = np.minimum(angle, 2.0 * angle[5000] - angle)
+    elif kind == "dc":
+        current = np.where(time_s < 0.46, 0.14, 0.31) + 0.01 * (current - np.round(current))
+    elif kind == "clicks":
+        current[[100, 2000, 7000]] = 50.0
+    else:
+        current[:] = 2.5
+    write("x.csv", "t [s],ia [mA],angle [deg]", [time_s, 1e3 * current, np.degrees(angle)])
+    turning = ("--angle", "angle", "--pole-pairs", "4") if kind == "turns back" else ()
+    found = measured(invoke("--csv", "x.csv", "--time", "t", "--current", "ia", *turning, "--json"))
+    told = found["measurements"]["current_fundamental"]
+    assert told["value"] is None
+    assert told["reason"].startswith(reason)
 
 
 def test_a_drift_and_a_swing_are_no_regimes(invoke: Invoke) -> None:

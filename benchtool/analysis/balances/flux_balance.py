@@ -143,7 +143,7 @@ def flux_balance(block: Block, motor: Motor, *, delay_ticks: int = 1) -> FluxBal
         )
     require_finite_channels(block, NEEDED)
     for name in PHASES:
-        if clipped := clipping(block.column(name)):
+        if clipped := clipping(block.column(name), block.unit(name)):
             raise AnalysisError(f"'{name}': {clipped}: lower the current, or widen its range")
     if len(block.data) < _FEWEST:
         raise AnalysisError(

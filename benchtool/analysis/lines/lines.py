@@ -83,10 +83,10 @@ def spectral_lines(
         block.unit(channel),
         block.sample_rate_Hz,
     )
-    require_signal(samples, channel)
+    require_signal(samples, channel, unit)
     count = len(samples)
     width_Hz = rate_Hz / count
-    clipped = clipping(samples)
+    clipped = clipping(samples, unit)
     bins = _windowed(samples)
     rows = () if clipped or count < _FEWEST else _sinusoids(samples, bins)
     drifts = "" if clipped else _drifts(bins, rows, unit, width_Hz)

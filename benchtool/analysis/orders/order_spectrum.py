@@ -218,8 +218,8 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
             f"the record has {turns:.3g} mechanical revolutions at the stated {omega_m_rad_s:.4g} rad/s, at "
             f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
-    require_signal(block.column(channel), channel)
-    require_unclipped(block.column(channel), channel)
+    require_signal(block.column(channel), channel, block.unit(channel))
+    require_unclipped(block.column(channel), channel, block.unit(channel))
     speed = speed_of_record(block, channel, omega_m_rad_s)
     source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
     if speed.omega_m_rad_s != omega_m_rad_s:

@@ -113,7 +113,7 @@ def order_analysis(
     Raises:
         AnalysisError: no such channel, a dead or clipped signal, fewer than two mechanical revolutions.
     """
-    require_unclipped(block.column(channel), channel)
+    require_unclipped(block.column(channel), channel, block.unit(channel))
     name = name or named_after(channel)
     return describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
 

@@ -37,6 +37,7 @@ from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_tell, phase_noise_rad
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
+from benchtool.analysis.statistics.outlying_samples import clicks_among
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.validity import clipping, require_unbroken, standing
@@ -92,11 +93,13 @@ def current_spectrum(
     found = separate(samples, block.sample_rate_Hz, track, channel, step)
     track, spectrum = found.track, found.spectrum
     basis = _basis(found.coherent, spectrum, track)
-    invalid = clipping(samples) or standing(samples)
+    invalid = clipping(samples, unit) or standing(samples, unit)
     if not invalid and track.residual_rad is None:
         invalid = turned_around(
             found.cleaned, found.seen, channel, None if found.close.lines is None else found.between
         )
+    if not invalid and found.seen.jump_rad and (clicks := clicks_among(samples, unit)):
+        invalid = f"{clicks}: clicks, at which the phase of {channel} jumps; choose a window without them"
     sound = soundness(spectrum, found.seen, invalid, channel)
     clean, with_trend = found.clean, None
     if found.steady.trend is not None:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.quantisation.read_noise import noise_of_readings
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
+from benchtool.analysis.statistics.outlying_samples import converter_step
 from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
-from benchtool.analysis.steps.clicks import converter_step
 from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
 from benchtool.analysis.steps.last_lobe import rms_beyond_lobes
 from benchtool.analysis.steps.passages import (

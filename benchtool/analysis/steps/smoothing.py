@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.fast_lengths import next_fast_length
 from benchtool.analysis.statistics.lowest_frequencies import slow_noise
-from benchtool.analysis.steps.clicks import without_outliers
+from benchtool.analysis.statistics.outlying_samples import without_outliers
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
-from benchtool.analysis.steps.clicks import converter_step, without_clicks
+from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import even_hold

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchtool.analysis.steps.clicks import too_many
+from benchtool.analysis.statistics.outlying_samples import too_many
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_shape import Step
 from benchtool.analysis.validity import clipped_share

@@ -63,7 +63,7 @@ def ripple(samples: NDArray[np.float64], unit: str, name: str = "signal") -> Rip
         AnalysisError: too short, not finite, constant, or not of shape (n,).
     """
     samples = as_samples(samples, name)
-    require_signal(samples, name)
+    require_signal(samples, name, unit)
     return Ripple(
         mean=float(np.mean(samples)),
         peak_to_peak=float(np.max(samples) - np.min(samples)),
@@ -168,7 +168,7 @@ def ripple_of_rows(
         whole = replace(whole, mean=scatter.whole_mean, rms=rms)
         unknown = _few_updates(samples, marks.numbers, repeated)
         scatter = replace(scatter, percentile_range=None) if unknown else scatter
-    seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples))
+    seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples, whole.unit))
     return tuple(_numbers(seen, percentile_range(samples), name, rated))
 
 
@@ -209,15 +209,15 @@ def peak_to_peak_number(
     if track is not None:
         repeats = Periods(track.period_rows())
         scatter = scatter_of_periods(samples, repeats, step, percentiles=False)
-    basis = record_basis(block)
+    basis, invalid = record_basis(block), _clipped(samples, whole.unit)
     unknown = "" if scatter is not None else _without_periods(None if track is None else track.period_marks())
-    seen = _Seen(whole, scatter, unknown, step, what or channel, channel, basis, _clipped(samples))
+    seen = _Seen(whole, scatter, unknown, step, what or channel, channel, basis, invalid)
     return seen.peak_to_peak(name)
 
 
-def _clipped(samples: NDArray[np.float64]) -> str:
+def _clipped(samples: NDArray[np.float64], unit: str) -> str:
     """Return why samples, shape (n,), are no signal of their own; empty if they are."""
-    return clipping(samples) or standing(samples)
+    return clipping(samples, unit) or standing(samples, unit)
 
 
 @dataclass(frozen=True)

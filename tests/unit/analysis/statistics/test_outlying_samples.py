@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.clicks import without_clicks
+from benchtool.analysis.statistics.outlying_samples import without_clicks
 from benchtool.analysis.steps.step_shape import Step, find_step
 from benchtool.block import Block
 

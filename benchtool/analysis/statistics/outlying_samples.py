@@ -58,6 +58,19 @@ def without_clicks(samples: Floats) -> tuple[Floats, int]:
     return mended, hits
 
 
+def clicks_among(samples: Floats, unit: str) -> str:
+    """Return how many samples, shape (n,), are clicks, and the first of them; empty if none is, or if they
+    are too many for that."""
+    mended, _ = without_clicks(samples)
+    rows = np.flatnonzero(mended != samples)
+    if not len(rows):
+        return ""
+    first = f"{samples[rows[0]]:.4g} {unit}".rstrip()
+    if len(rows) == 1:
+        return f"the sample in row {rows[0]} (from 0), {first}, is far from its neighbours"
+    return f"{len(rows)} samples are far from their neighbours, the first, {first}, in row {rows[0]} (from 0)"
+
+
 def _apart(samples: Floats, lag: int) -> Floats:
     """Return how far samples, shape (n,), are from the mean of those `lag` before and after, shape (n - 2
     lag,)."""
