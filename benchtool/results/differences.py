@@ -185,8 +185,8 @@ def _circumstances(result: Assessment) -> Iterator[tuple[Kind, Mapping[str, obje
     yield Kind.REACHED, {}
     limits = dict(result.limits) | ({} if result.together is None else dict(result.together.limits))
     yield Kind.LIMITS, {name: limit.bounds for name, limit in limits.items()}
-    yield Kind.ANALYSES, _flat(plan.get("analyses", {})) | table.options
-    yield Kind.RECORDED, _rows(result) | table.columns
+    yield Kind.ANALYSES, {**_flat(plan.get("analyses", {})), **table.options}
+    yield Kind.RECORDED, {**_rows(result), **table.columns}
     yield Kind.DRIVE, {"dictionary": manifest.dictionary_hash, **manifest.identity}
     yield Kind.PROFILE, {"name": manifest.profile_name, **_flat(_profile(manifest)), **table.bench}
     yield Kind.SOFTWARE, {"link": manifest.link, "seed": manifest.seed, **manifest.versions}

@@ -97,7 +97,7 @@ def test_the_torque_error_has_the_degrees_of_freedom_of_both_means() -> None:
     fourth = sum(each.experimental**4 / each.dof for each in means)
     assert error.dof == pytest.approx(error.experimental**4 / fourth, rel=1e-6)
     assert error.expanded <= sum(each.expanded**2 for each in means) ** 0.5
-    assert [each.name for each in error.lines] == ["mean of the estimate", "mean of the transducer"]
+    assert [each.name for each in error.budget] == ["mean of the estimate", "mean of the transducer"]
 
 
 def test_every_number_of_a_known_capture() -> None:
