@@ -94,12 +94,13 @@ from .responses.bode import (
 from .responses.estimated_response import FrequencyResponse as FrequencyResponse
 from .responses.frequency_response import frequency_response as frequency_response
 from .sensitivity import (
-    SIGNED_AND_MEASURED_AGAIN as SIGNED_AND_MEASURED_AGAIN,
+    OF_MEAN_STEP as OF_MEAN_STEP,
     Extremes as Extremes,
     Harmonics as Harmonics,
     Largest as Largest,
     Noise as Noise,
     Sensitivities as Sensitivities,
+    Sensitivity as Sensitivity,
 )
 from .sensors.corrections import BANDWIDTH as BANDWIDTH
 from .sensors.instruments import (

@@ -10,17 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace as copied
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis import (
-    SIGNED_AND_MEASURED_AGAIN,
+    OF_MEAN_STEP,
     Basis,
     Contribution,
     MeanReading,
     Measurement,
     Sensitivities,
+    Sensitivity,
     combined,
     crop_to,
     error_of_record,
@@ -196,9 +198,7 @@ def measure_held(rows: Block) -> Iterator[Measurement]:
         if name in rows.names and name != "torque":
             mean = _mean_of(rows, name, f"{name} in the rows")
             text = f"mean of {mean.source}; nothing was asked for"
-            yield _number(
-                f"{name}_reached", rows.unit(name), text, mean, Sensitivities.of_mean(name, mean.value)
-            )
+            yield _number(f"{name}_reached", rows.unit(name), text, mean)
 
 
 def _rows(plan: Plan, capture: Block) -> Block | None:
@@ -218,14 +218,60 @@ def _rows(plan: Plan, capture: Block) -> Block | None:
 
 @dataclass(frozen=True)
 class _Mean:
-    """Mean of a signal: its `value` with the `scatter` and the readings behind it, its basis, and its source
+    """Mean of a signal: its `value` with the `errors` and the readings behind it, its basis, and its source
     in words."""
+
+    value: float
+    errors: tuple[Contribution, ...]
+    reading: MeanReading
+    basis: Basis
+    source: str
+    unresolved: tuple[str, ...] = ()
+
+    def less(self, slope: _Slope, J_kgm2: float) -> _Mean:
+        """Return a mean torque less what the slope of the speed takes of it."""
+        value = self.value - J_kgm2 * slope.value
+        errors = (*self.errors, *(each.scaled(J_kgm2) for each in slope.errors))
+        source = f"{self.source}, less J x slope of {slope.reading.channel}"
+        return copied(self, value=value, errors=errors, source=source, unresolved=slope.reading.unresolved)
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """Slope of a signal by least squares, a second, with the errors and the readings behind it.
+
+    Steps move it as they move the means of two halves of the record, which are half of it apart: by
+    `of_steps` times what they leave in a mean.
+    """
 
     value: float
     scatter: Contribution
     reading: MeanReading
-    basis: Basis
-    source: str
+    of_steps: float
+
+    @classmethod
+    def of(cls, name: str, samples: NDArray[np.float64], period_s: float) -> Self:
+        """Return that of even samples, shape (n,), two or more."""
+        count = len(samples)
+        at = np.arange(count) - 0.5 * (count - 1)
+        weights = at / (float(at @ at) * period_s)
+        slope = float(weights @ samples)
+        left = samples - np.mean(samples) - slope * period_s * at
+        # it is a mean of samples so weighted
+        scatter = error_of_record(count * weights * left).line(f"scatter of the slope of {name}")
+        reading = MeanReading.of(name, samples, 1.0 / period_s)
+        return cls(slope, scatter, reading, 2.0 * math.sqrt(2.0) / (count * period_s))
+
+    @property
+    def errors(self) -> tuple[Contribution, ...]:
+        """Lines of its budget."""
+        steps = (copied(each, name=f"{each.name} in its slope") for each in self.reading.line(self.of_steps))
+        return self.scatter, *steps
+
+    def sensitivity(self, J_kgm2: float) -> Sensitivity:
+        """Return that of the torque that is left without what accelerates an inertia."""
+        steps = J_kgm2 * self.of_steps * OF_MEAN_STEP
+        return Sensitivity(self.reading.channel, -J_kgm2 * self.value, resolution=steps)
 
 
 @dataclass(frozen=True)
@@ -248,7 +294,7 @@ class _Signals:
         source = f"{name} read just before the capture"
         scatter = Contribution("scatter of the readings", "A", spread, max(1.0, len(readings) - 1.0))
         reading = MeanReading.of(name, readings, 1.0 / READING_EVERY_S)
-        return _Mean(reading.mean, scatter, reading, basis, source)
+        return _Mean(reading.mean, (scatter,), reading, basis, source)
 
     def on_shaft(self) -> _Mean | None:
         """Return the mean of the transducer over the rows, or else of the drive's estimate."""
@@ -260,7 +306,7 @@ class _Signals:
             return _mean_of(inside, _TRANSDUCER, f"{_TRANSDUCER} over the same time")
         return self.mean("torque")
 
-    def acceleration_rad_s2(self) -> float | None:
+    def acceleration(self) -> _Slope | None:
         """Return the slope of the speed over the rows, or else over the readings."""
         if self.rows is not None and "omega_m" in self.rows.names:
             omega_m, period_s = self.rows.column("omega_m"), 1.0 / self.rows.sample_rate_Hz
@@ -268,51 +314,42 @@ class _Signals:
             omega_m, period_s = np.array(self.seen.readings.get("omega_m", ())), READING_EVERY_S
         if len(omega_m) < 2:
             return None
-        return float(np.polyfit(np.arange(len(omega_m)), omega_m, 1)[0]) / period_s
+        return _Slope.of("omega_m", omega_m, period_s)
 
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
     scatter = error_of_record(samples).line("scatter over parts of the record")
     reading = MeanReading.of(name, samples, block.sample_rate_Hz)
-    return _Mean(reading.mean, scatter, reading, record_basis(block), source)
+    return _Mean(reading.mean, (scatter,), reading, record_basis(block), source)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
     text = (
         f"asked for: {each.value:g} {each.unit}" if each.tolerance is not None else "nothing says where to be"
     )
-    sensitivities = SIGNED_AND_MEASURED_AGAIN
+    mean: _Mean | None = None
+    by_slope: tuple[Sensitivity, ...] = ()
     match each.name:
         case "load_torque_reached" if point.mode_of_operation is Mode.TORQUE:
-            mean, slope = signals.mean("torque"), signals.acceleration_rad_s2()
-            sensitivities = copied(SIGNED_AND_MEASURED_AGAIN, rests_on=("torque", "omega_m"))
-            if mean is not None and slope is not None:
-                braked = mean.value - motor.J_kgm2 * slope
-                source = f"{mean.source}, less J x slope of omega_m"
-                mean = copied(mean, value=braked, source=source)
-            else:
-                mean = None
+            torque, slope = signals.mean("torque"), signals.acceleration()
+            if torque is not None and slope is not None:
+                mean, by_slope = torque.less(slope, motor.J_kgm2), (slope.sensitivity(motor.J_kgm2),)
         case "load_torque_reached":
             mean = signals.on_shaft()
-            channel = "torque" if signals.transducer is None else _TRANSDUCER
-            sensitivities = copied(SIGNED_AND_MEASURED_AGAIN, rests_on=(channel,))
         case name:
-            signal = name.removesuffix("_reached")
-            mean = signals.mean(signal)
-            if mean is not None:
-                sensitivities = Sensitivities.of_mean(signal, mean.value)
+            mean = signals.mean(name.removesuffix("_reached"))
     if mean is None:
         return Measurement.undefined(
             each.name, each.unit, f"mean; {text}", "neither the capture nor the drive provides it"
         )
-    definition = f"mean of {mean.source}; {text}"
-    return _number(each.name, each.unit, definition, mean, sensitivities)
+    return _number(each.name, each.unit, f"mean of {mean.source}; {text}", mean, *by_slope)
 
 
-def _number(name: str, unit: str, definition: str, mean: _Mean, sensitivities: Sensitivities) -> Measurement:
-    lines = (mean.scatter, *mean.reading.line())
+def _number(name: str, unit: str, definition: str, mean: _Mean, *besides: Sensitivity) -> Measurement:
+    lines = (*mean.errors, *mean.reading.line())
     uncertain = combined(lines, ", ".join(each.name for each in lines))
+    of_mean = Sensitivities.of_mean(mean.reading.channel, mean.reading.mean)
     each = Measurement(
         name,
         mean.value,
@@ -321,6 +358,6 @@ def _number(name: str, unit: str, definition: str, mean: _Mean, sensitivities: S
         mean.basis,
         uncertain,
         uncertainty_reason=_TOO_SLOW if uncertain is None else "",
-        sensitivities=sensitivities,
+        sensitivities=Sensitivities((*(of_mean.channels or ()), *besides)),
     )
-    return each.without_resolution_of(*mean.reading.unresolved)
+    return each.without_resolution_of(*mean.reading.unresolved, *mean.unresolved)

@@ -41,7 +41,7 @@ from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Calibration
 from benchtool.results.common_band import with_common_band
 from benchtool.results.judged_repetitions import LimitsTogether, limits_alone
-from benchtool.results.remeasurement import perturbed_readings, remeasured
+from benchtool.results.remeasurement import remeasured
 
 
 def assess(
@@ -89,9 +89,6 @@ def assess(
         """Yield the measurements that depend on the waveform, with a perturbed channel."""
         other = altered.of(capture)
         shaft = None if transducer is None else altered.of(transducer)
-        yield from measure_reached(
-            wanted, plan, point, motor, other, shaft, perturbed_readings(seen, altered)
-        )
         if not refusal:
             with suppress(AnalysisError):  # a measurement that is not found again has an unknown uncertainty
                 todo = of_plan(plan, motor, other, shaft)

@@ -9,21 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 
-import numpy as np
-
-from benchtool.analysis import Findings, Measurement, Perturbed, measure
-from benchtool.plan import CaseReadings
+from benchtool.analysis import Findings, Measurement, measure
 from benchtool.results.analyses import Planned
-
-
-def perturbed_readings(seen: CaseReadings, altered: Perturbed) -> CaseReadings:
-    """Return the readings with the error of their channel."""
-    if altered.channel not in seen.readings:
-        return seen
-    values = altered.reading(np.array(seen.readings[altered.channel]))
-    return replace(seen, readings={**seen.readings, altered.channel: tuple(values.tolist())})
 
 
 def remeasured(

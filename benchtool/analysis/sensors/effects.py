@@ -173,13 +173,15 @@ def moved_by_steps(
     """Return the standard uncertainty by the steps in which a sensor reads, in the number's unit.
 
     Where no waveform tells how far their errors average out, it is that of the declaration; so it is of
-    extremes, each a single reading. Of a waveform that spans few steps no other tells by how much: it may
-    have been several times larger or smaller.
+    extremes, each a single reading, and of what no offset moves, such as a slope. Of a waveform that spans
+    few steps no other tells by how much: it may have been several times larger or smaller.
     """
     content = each.sensitivities.content
     if waveform is None or isinstance(content, Extremes):
         return part.resolution * resolution
     if isinstance(content, Level):
+        if part.offset == 0.0:
+            return part.resolution * resolution
         return abs(part.offset) * by_steps(waveform, resolution, lambda of: of.mean)
     feature = _feature(each)
     read = abs(feature(waveform))

@@ -11,7 +11,7 @@ from scipy import stats
 from benchtool.analysis import Instruments, Measurement
 from benchtool.block import Block
 from benchtool.plan.cases import cases
-from benchtool.plan.model import Plan
+from benchtool.plan.model import OperatingPoint, Plan
 from benchtool.plan.operating_point import CaseReadings, Target, measure_held, measure_reached
 from benchtool.profile import Bench, Sensor
 from benchtool.results.repetitions import over_repetitions
@@ -114,3 +114,44 @@ def test_what_the_drive_is_read_just_before_counts_its_steps_once() -> None:
     (line,) = (each for each in found[0].uncertainty.budget if each.evaluation == "B")
     assert line.name == "resolution of u_dc"
     assert stated.uncertainty == found[0].uncertainty
+
+
+def test_the_slope_of_the_speed_is_in_the_load_that_it_tells() -> None:
+    """In torque mode, whose noise of the torque alone is a tenth of it."""
+    random, over_u = np.random.default_rng(8), []
+    plan = plan_of(1)
+    point = OperatingPoint(mode="torque", torque_Nm=2.0, load_torque_Nm=1.5)
+    wanted = (Target("load_torque_reached", 1.5, "Nm", 0.15),)
+    for _ in range(40):
+        omega_m = (
+            50.0 + 0.5 / EXAMPLE_MOTOR.J_kgm2 * 1e-4 * np.arange(400) + 0.2 * random.standard_normal(400)
+        )
+        torque = 2.0 + 0.001 * random.standard_normal(400)
+        capture = Block.from_arrays(1e4, {"torque": "Nm", "omega_m": "rad/s"}, torque=torque, omega_m=omega_m)
+        (found,) = measure_reached(wanted, plan, point, EXAMPLE_MOTOR, capture, None, CaseReadings())
+        assert found.uncertainty is not None
+        over_u.append((found.value - 1.5) / found.uncertainty.standard)
+    assert 0.7 < math.sqrt(np.mean(np.square(over_u))) < 1.4
+    assert found.sensitivities.named == ("torque", "omega_m")
+
+
+def test_a_speed_that_reads_the_same_in_every_sample_leaves_its_slope_open() -> None:
+    wanted, point = (
+        (Target("load_torque_reached", 2.0, "Nm", 0.2),),
+        OperatingPoint(mode="torque", torque_Nm=2.0),
+    )
+    capture = Block.from_arrays(
+        1e3,
+        {"torque": "Nm", "omega_m": "rad/s"},
+        torque=2.0 + 0.001 * np.random.default_rng(9).standard_normal(100),
+        omega_m=np.zeros(100),
+    )
+    (found,) = measure_reached(wanted, plan_of(1), point, EXAMPLE_MOTOR, capture, None, CaseReadings())
+    assert found.uncertainty is None
+    assert "omega_m" in found.uncertainty_reason
+    bench = Bench(channels={"omega_m": Sensor.model_validate({"resolution_rad_s": 0.5})})
+    (stated,) = Instruments(bench, [capture]).applied([found])
+    assert stated.uncertainty is not None
+    # means of both halves of 0.1 s, each off by a step over sqrt(12), are half of it apart
+    by_slope = EXAMPLE_MOTOR.J_kgm2 * 0.5 / math.sqrt(12.0) * math.sqrt(2.0) / 0.05
+    assert stated.uncertainty.standard == pytest.approx(by_slope, rel=0.01)
