@@ -32,7 +32,7 @@ _OF_BUDGETS: Final = (
     "U = t s: s is the experimental standard uncertainty and t Student's factor of the effective degrees of "
     "freedom (JCGM 100:2008, G.4.1). Without t, U is half of the interval of a derived distribution.",
     "u is the standard deviation, which is larger than s where few observations tell it: "
-    "s sqrt(dof / (dof − 2)) of type A (JCGM 101:2008, 6.4.9.4), so that ±2u holds about 95 % too.",
+    "s sqrt(dof / (dof − 2)) of type A (JCGM 101:2008, 6.4.9.4), so that ±2u holds about 95 % too; k = U/u.",
 )
 _MARKS: Final[Mapping[Verdict, Mark]] = {
     Verdict.NONE: "none",
@@ -153,13 +153,13 @@ def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
                 (
                     *("", f"type {line.evaluation}", line.name),
                     *(number(line.experimental, 2), number(line.standard, 2), each.unit, degrees(line.dof)),
-                    *("", "", ""),
+                    *("", ""),
                 )
                 for line in known.budget
             ]
     headings = (
         *("measurement", "", "contribution", ">s", ">u", "unit"),
-        *(">degrees of freedom", ">t", ">U (95 %)", ">k = U/u"),
+        *(">degrees of freedom", ">t", ">k"),
     )
     if not rows:
         return None
@@ -168,12 +168,12 @@ def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
 
 
 def _whole(known: Uncertainty, unit: str) -> tuple[str, ...]:
-    """Return s, u, unit, degrees of freedom, t, U and k of an uncertainty."""
-    t, U = known.student_factor, known.expanded
+    """Return s, u, unit, degrees of freedom, t and k of an uncertainty."""
+    t = known.student_factor
     return (
         *(number(known.experimental, 2), number(known.standard, 2), unit, degrees(known.dof)),
         NOTHING if t is None else number(t, 3),
-        *(number(U, 2), number(known.k, 3) if U > 0.0 else NOTHING),
+        number(known.k, 3) if known.expanded > 0.0 else NOTHING,
     )
 
 
@@ -228,24 +228,21 @@ def _uncertainty_notes(uncertainty: Uncertainty, unit: str) -> Iterator[str]:
     budget."""
     U, u, t = number(uncertainty.expanded, 2), number(uncertainty.standard, 2), uncertainty.student_factor
     source, k = uncertainty.source.rstrip("."), number(uncertainty.k, 3)
+    dof = f", {degrees(uncertainty.dof)} degrees of freedom" if math.isfinite(uncertainty.dof) else ""
     if uncertainty.expanded <= 0.0:
         yield f"Without uncertainty: {source}."
         return
     if t is None:
         how = f"half of the interval of a derived distribution; u = {u}{unit}, k = U/u = {k}"
     elif math.isclose(uncertainty.experimental, uncertainty.standard, rel_tol=_ALIKE):
-        how = f"k = {k}, u = {u}{unit}{_with(uncertainty.dof)}"
+        how = f"k = {k}, u = {u}{unit}{dof}"
     else:
         s = number(uncertainty.experimental, 2)
         how = (
-            f"{number(t, 3)} times the experimental standard uncertainty {s}{unit}{_with(uncertainty.dof)}; "
+            f"{number(t, 3)} times the experimental standard uncertainty {s}{unit}{dof}; "
             f"with what few observations add, u = {u}{unit} and k = U/u = {k}"
         )
     yield f"U = {U}{unit} covers 95 %, {how}: {source}."
-
-
-def _with(dof: float) -> str:
-    return f" with {degrees(dof)} degrees of freedom" if math.isfinite(dof) else ""
 
 
 def basis_text(basis: Basis) -> str:

@@ -20,7 +20,7 @@ from benchtool.report.results import basis_text, measurement_notes
         (Uncertainty(0.012, "noise"), "U = 0.024 Nm covers 95 %, k = 1.96, u = 0.012 Nm: noise."),
         (
             combined([Contribution("a", "A", 0.2 * math.sqrt(2.0), 4.0, of_student=True)], "few values"),
-            "U = 0.56 Nm covers 95 %, 2.78 times the experimental standard uncertainty 0.20 Nm with 4 "
+            "U = 0.56 Nm covers 95 %, 2.78 times the experimental standard uncertainty 0.20 Nm, 4 "
             "degrees of freedom; with what few observations add, u = 0.28 Nm and k = U/u = 1.96: "
             "few values.",
         ),
