@@ -13,8 +13,8 @@ from benchtool.analysis import (
     Measurement,
     catalogue,
     count_of,
-    number,
     probability,
+    raw,
     undefined,
     with_expanded,
     without_uncertainty,
@@ -247,7 +247,7 @@ def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -
 
 def _cell(case: Assessment, name: str) -> Text:
     found = next((each for each in case.measurements if each.name == name), None)
-    published = f" ({number(case.published[name])})" if name in case.published else ""
+    published = f" ({raw(case.published[name])})" if name in case.published else ""
     verdict = case.verdicts.get(name)
     text = f"{NOTHING if found is None else measured(found)}{published}"
     return Text(text, style=VERDICT_COLOURS[verdict] if verdict else "")
@@ -263,7 +263,11 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
             continue  # below, with the reason
         held = result.judged.get(each.name)
         bounds = "" if held is None else held.limit.bounds
-        beside = (number(result.published.get(each.name, math.nan)),) if published else ()
+        beside = (
+            (raw(result.published[each.name]) if each.name in result.published else NOTHING,)
+            if published
+            else ()
+        )
         cells = (
             each.name,
             measured(each),
