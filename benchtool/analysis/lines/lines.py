@@ -27,6 +27,7 @@ from benchtool.analysis.lines.steadiness import Line, examined
 from benchtool.analysis.lines.swinging_lines import is_sideband, with_swing
 from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
 from benchtool.analysis.named_after import named_after
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Sensitivities
@@ -98,9 +99,8 @@ def spectral_lines(
         window="Hann, the whole record",
         gaps=0,
     )
-    what = (
-        f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {width_Hz:.4g} Hz a bin"
-    )
+    bins = f"{raw(width_Hz, 4)} Hz a bin"
+    what = f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {bins}"
     texts = (
         ("frequency", "Hz", f"mean frequency of the largest sinusoid of {what}"),
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
@@ -199,7 +199,7 @@ def _slower(samples: Floats, unit: str, largest: Line) -> str:
     size = np.abs(_windowed(samples - drift * rows)[1:_LOWEST_BIN])
     if not float(np.max(size)) > _LEAST_RESPONSE * largest.amplitude:
         return ""
-    least = f"{float(np.max(size)):.4g} {unit}".rstrip()
+    least = f"{raw(float(np.max(size)), 4)} {unit}".rstrip()
     return f"a line slower than {_LOWEST_BIN} periods in the record may be larger, {least}: record longer"
 
 
@@ -212,9 +212,9 @@ def _drifts(bins: Complexes, rows: Sequence[Line], unit: str, width_Hz: float) -
     within = [each.amplitude for each in rows if abs(each.place - line.place) < line.reach]
     if math.hypot(*within) > _HALF * line.amplitude:  # such as one whose phase swings, and its sidebands
         return ""
-    size = f"{line.amplitude:.3g} {unit}".rstrip()
+    size = f"{raw(line.amplitude, 3)} {unit}".rstrip()
     return (
-        f"a line of about {size} drifts around {line.place * width_Hz:.4g} Hz, over so many bins that it "
+        f"a line of about {size} drifts around {raw(line.place * width_Hz, 4)} Hz, over so many bins that it "
         f"stands out of none: choose a window of steady speed, or record an angle"
     )
 
@@ -232,8 +232,8 @@ def _not_apart(largest: Line, second: Line, unit: str) -> str:
     if largest.amplitude - second.amplitude > _APART * both:
         return ""
     return (
-        f"two lines, of {largest.amplitude:.4g} and {second.amplitude:.4g} {unit}, are equally large within "
-        f"their uncertainty: the table has both"
+        f"two lines, of {raw(largest.amplitude, 4)} and {raw(second.amplitude, 4)} {unit}, are equally large "
+        f"within their uncertainty: the table has both"
     )
 
 

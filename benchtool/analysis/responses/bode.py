@@ -23,6 +23,7 @@ from benchtool.analysis.declaration import (
 from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Basis, Measurement, Table
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.estimated_response import NEPER_DB, FrequencyResponse
 from benchtool.analysis.responses.frequency_response import frequency_response
 from benchtool.analysis.responses.gain_at_rest import gain_at_rest
@@ -117,7 +118,8 @@ def analyze_response(
         window=found.method,
         reference=(
             f"{ratio}; {len(band_Hz)} of {len(trusted)} frequencies used, "
-            f"{band_Hz[0]:.4g} Hz to {band_Hz[-1]:.4g} Hz, coherence {found.least_coherence:.2g} or more"
+            f"{raw(band_Hz[0], 4)} Hz to {raw(band_Hz[-1], 4)} Hz, coherence "
+            f"{raw(found.least_coherence, 2)} or more"
         ),
         gaps=0,
     )
@@ -139,8 +141,8 @@ def _why_none(found: FrequencyResponse, input: str, output: str, stimulus: str) 
             f"channel of the stimulus, or raise the stimulus"
         )
     return (
-        f"no frequency of '{input}' shows in '{output}' with a coherence of {found.least_coherence:.2g}, "
-        f"the best has {float(np.max(found.coherence)):.2g}: raise the stimulus or record longer"
+        f"no frequency of '{input}' shows in '{output}' with a coherence of {raw(found.least_coherence, 2)}, "
+        f"the best has {raw(float(np.max(found.coherence)), 2)}: raise the stimulus or record longer"
     )
 
 
@@ -153,8 +155,8 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
 
     rest = gain_at_rest(frequency_Hz, response, error, shared)
     text = (
-        f"gain continued to zero frequency from {frequency_Hz[0]:.4g} Hz and above, by ratios of polynomials "
-        f"of j frequency; the reference of the others"
+        f"gain continued to zero frequency from {raw(frequency_Hz[0], 4)} Hz and above, by ratios of "
+        f"polynomials of j frequency; the reference of the others"
     )
     of_gain = max(rest.relative_error, found.at_rest)  # which is in the errors of single frequencies too
     gain_error = Uncertainty(rest.gain * of_gain, f"{_STATISTICAL} and of the fit, or a converter's steps")
@@ -168,15 +170,15 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     relative = ResponseCurve.of_gain(frequency_Hz, response / rest.gain, error, -_HALF_POWER_DB, shared)
     text = f"lowest frequency at which the gain is 3.01 dB below response_gain, {_LOCALLY}"
     down = relative.falls_to(_HALF_POWER_DB, rest_dB)
-    reason = f"it stays above up to {frequency_Hz[-1]:.4g} Hz"
+    reason = f"it stays above up to {raw(frequency_Hz[-1], 4)} Hz"
     if not not_known and rest_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
-        not_known = f"response_gain is uncertain by {rest_dB:.2g} dB: play lower frequencies"
+        not_known = f"response_gain is uncertain by {raw(rest_dB, 2)} dB: play lower frequencies"
     if not_known:
         down, reason = None, not_known
     yield _frequency("bandwidth_3dB", text, down, reason, basis)
 
     text = f"lowest frequency at which the phase is -90 degrees, {_LOCALLY}"
-    reason = f"the phase stays above up to {frequency_Hz[-1]:.4g} Hz"
+    reason = f"the phase stays above up to {raw(frequency_Hz[-1], 4)} Hz"
     if rest.goes_on:
         turned, reason = None, f"it may be passed below that: {rest.undefined_because}"
     else:
@@ -193,7 +195,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
     limit_Hz = float(frequency_Hz[-1]) if bandwidth is None else bandwidth.frequency_Hz
 
     inside = found.excited & (found.frequency_Hz >= frequency_Hz[0]) & (found.frequency_Hz <= limit_Hz)
-    text = f"coherence of the excited frequencies from {frequency_Hz[0]:.4g} Hz to {limit_Hz:.4g} Hz"
+    text = f"coherence of the excited frequencies from {raw(frequency_Hz[0], 4)} Hz to {raw(limit_Hz, 4)} Hz"
     coherence = found.coherence[inside]
     for name, which, value in (
         ("coherence_min", "least", np.min(coherence)),
@@ -228,7 +230,7 @@ def _resonance(
     """Return the greatest gain; undefined where errors hide it, or where it may be above the frequencies
     used."""
     last_Hz = float(relative.frequency_Hz[-1])
-    text = f"greatest gain over response_gain, at least 0 dB, up to {last_Hz:.4g} Hz"
+    text = f"greatest gain over response_gain, at least 0 dB, up to {raw(last_Hz, 4)} Hz"
     if not_known:
         return Measurement.undefined("resonance_peak", "dB", text, not_known, basis)
     peak_dB, of_peak_dB = relative.resonance()
@@ -238,13 +240,13 @@ def _resonance(
     if not math.isfinite(standard_dB):
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif standard_dB > -_MOST_OF_THE_LEVEL * _HALF_POWER_DB:
-        reason = f"it is uncertain by {standard_dB:.2g} dB: raise the stimulus, or play more frequencies"
+        reason = f"it is uncertain by {raw(standard_dB, 2)} dB: raise the stimulus, or play more frequencies"
     elif stands_out and int(np.argmax(relative.smooth)) == 0 and peak_dB < relative.smooth[0] + standard_dB:
-        reason = f"the gain falls from {relative.frequency_Hz[0]:.4g} Hz on, the lowest frequency used"
+        reason = f"the gain falls from {raw(relative.frequency_Hz[0], 4)} Hz on, the lowest frequency used"
     elif not has_fallen and not stands_out:
-        reason = f"the gain has not fallen by 3 dB up to {last_Hz:.4g} Hz: a peak may be above that"
+        reason = f"the gain has not fallen by 3 dB up to {raw(last_Hz, 4)} Hz: a peak may be above that"
     elif not has_fallen and int(np.argmax(relative.smooth)) == len(relative.smooth) - 1:
-        reason = f"the gain still rises at {last_Hz:.4g} Hz, the highest frequency used"
+        reason = f"the gain still rises at {raw(last_Hz, 4)} Hz, the highest frequency used"
     if reason:
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
     peak_dB, standard_dB = above_zero(peak_dB, standard_dB)
@@ -282,8 +284,8 @@ def _table(found: FrequencyResponse, unit: str, basis: Basis) -> Table:
     )
     definition = (
         "frequency response; used is 1 where the input has power and the coherence, by the mean of "
-        f"neighbouring gains, is {found.least_coherence:.2g} or more; phase is without jumps from one such "
-        "frequency to the next"
+        f"neighbouring gains, is {raw(found.least_coherence, 2)} or more; phase is without jumps from one "
+        "such frequency to the next"
     )
     rows = tuple(tuple(float(cell) for cell in row) for row in np.stack(values, axis=1))
     return Table("frequency_response", definition, columns, rows, replace(basis, bandwidth_Hz=None))

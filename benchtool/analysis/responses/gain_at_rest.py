@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.rational_fit import RationalFit, rational_fit
 
 Complex = NDArray[np.complex128]
@@ -79,12 +80,12 @@ def gain_at_rest(
     reason, goes_on = "", not _HALF_POWER <= found.gain / lowest <= 1.0 / _HALF_POWER
     if goes_on:
         reason = (
-            f"the gain is {lowest:.3g} at {lowest_Hz:.4g} Hz, the lowest frequency used, and goes on "
+            f"the gain is {raw(lowest, 3)} at {raw(lowest_Hz, 4)} Hz, the lowest frequency used, and goes on "
             f"to change below that: play lower frequencies"
         )
     elif found.relative_error > _SURE:
         percent = 100.0 * found.relative_error
-        reason = f"it is uncertain by {percent:.2g} %: play lower frequencies, or stronger ones"
+        reason = f"it is uncertain by {raw(percent, 2)} %: play lower frequencies, or stronger ones"
     return replace(found, undefined_because=reason, goes_on=goes_on)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels, without_jumps
 from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
 from benchtool.analysis.responses.response_curve import Point, ResponseCurve
@@ -72,7 +73,9 @@ def margins(
             basis,
         )
     else:
-        reason = f"noise hides 1 - T up to {frequency_Hz[-1]:.4g} Hz: raise the stimulus, or record longer"
+        reason = (
+            f"noise hides 1 - T up to {raw(frequency_Hz[-1], 4)} Hz: raise the stimulus, or record longer"
+        )
         for name, (unit, text) in _OF_OPEN_LOOP.items():
             yield Measurement.undefined(name, unit, text, reason, basis)
     yield _sensitivity_peak(frequency_Hz, closed, error, shared, basis)
@@ -101,7 +104,8 @@ def _of_open_loop(
         uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
         margin = math.remainder(180.0 + math.degrees(angle), 360.0)
         if (again_Hz := gain.rises_again_to(0.0)) is not None:
-            why = f"the gain is above 1 again at {again_Hz:.4g} Hz, as of a resonance: its margin counts too"
+            again = raw(again_Hz, 4)
+            why = f"the gain is above 1 again at {again} Hz, as of a resonance: its margin counts too"
             yield Measurement.undefined("phase_margin", unit, text, why, basis)
         else:
             yield Measurement(
@@ -172,17 +176,19 @@ def _sensitivity_peak(
     if not math.isfinite(relative):
         reason = "the response beside its peak is not known: raise the stimulus, or play more frequencies"
     elif not relative <= _MOST_UNCERTAIN:
-        reason = f"it is uncertain by {100.0 * relative:.2g} %: raise the stimulus"
+        reason = f"it is uncertain by {raw(100.0 * relative, 2)} %: raise the stimulus"
     elif int(np.argmax(curve.smooth)) == 0:
-        reason = (
-            f"it falls from {frequency_Hz[0]:.4g} Hz on, the lowest frequency used: play lower frequencies"
-        )
+        lowest = raw(frequency_Hz[0], 4)
+        reason = f"it falls from {lowest} Hz on, the lowest frequency used: play lower frequencies"
     elif peak < 1.0:
-        reason = f"it is {peak:.2g} up to {last_Hz:.4g} Hz and reaches 1 above that: play higher frequencies"
+        reason = (
+            f"it is {raw(peak, 2)} up to {raw(last_Hz, 4)} Hz and reaches 1 above that: play higher "
+            f"frequencies"
+        )
     elif not has_fallen and largest_above > peak * (1.0 + relative):
         reason = (
-            f"it has not clearly fallen from {peak:.4g} up to {last_Hz:.4g} Hz and may be up to "
-            f"{largest_above:.4g} above that: play higher frequencies"
+            f"it has not clearly fallen from {raw(peak, 4)} up to {raw(last_Hz, 4)} Hz and may be up to "
+            f"{raw(largest_above, 4)} above that: play higher frequencies"
         )
     if reason:
         return Measurement.undefined(name, "", text, reason, basis)
@@ -198,5 +204,5 @@ def _of_sensitivity(closed: NDArray[np.complex128], error: Floats) -> tuple[Floa
 def _why_not(found: Point | None, frequency_Hz: Floats, otherwise: str) -> str:
     """Return the reason why a crossing is undefined; empty if it is defined."""
     if found is None:
-        return f"{otherwise} up to {frequency_Hz[-1]:.4g} Hz"
+        return f"{otherwise} up to {raw(frequency_Hz[-1], 4)} Hz"
     return found.undefined_because

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels, without_jumps
 from benchtool.analysis.responses.local_parabola import LocalParabola
 from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
@@ -60,13 +61,13 @@ class Point:
         """Reason why it is undefined; empty if it is defined."""
         if math.isnan(self.standard_Hz):
             return (
-                f"it is passed at {self.frequency_Hz:.4g} Hz already, the lowest frequency that is accurate "
-                f"enough: play lower ones, and let the stimulus begin and end at rest"
+                f"it is passed at {raw(self.frequency_Hz, 4)} Hz already, the lowest frequency that is "
+                f"accurate enough: play lower ones, and let the stimulus begin and end at rest"
             )
         if self.standard_Hz > _MOST_UNCERTAIN * self.frequency_Hz:
             return (
-                f"the errors do not determine whether or where, near {self.frequency_Hz:.2g} Hz: raise the "
-                f"stimulus"
+                f"the errors do not determine whether or where, near {raw(self.frequency_Hz, 2)} Hz: raise "
+                f"the stimulus"
             )
         return ""
 

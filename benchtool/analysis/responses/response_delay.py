@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.response_curve import Point
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty
@@ -53,7 +54,7 @@ def response_delay(
     end = "the highest frequency used" if bandwidth is None else "bandwidth_3dB"
     text = (
         f"-1/(2 pi) x slope of the least-squares line of phase over frequency, all frequencies alike, up to "
-        f"{end} from {begin}, here from {lower_Hz:.6g} Hz to {upper_Hz:.6g} Hz"
+        f"{end} from {begin}, here from {raw(lower_Hz, 6)} Hz to {raw(upper_Hz, 6)} Hz"
     )
     count = int(np.count_nonzero((frequency_Hz >= lower_Hz) & (frequency_Hz <= upper_Hz)))
     if count < _FEWEST_FOR_A_LINE:

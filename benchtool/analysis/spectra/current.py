@@ -25,6 +25,7 @@ from benchtool.analysis.noise.converter_lines import largest_of_steps
 from benchtool.analysis.noise.noise import NoiseFloor, noise_floor
 from benchtool.analysis.noise.noise_of_lines import contribution_of_noise, line_noise
 from benchtool.analysis.noise.noise_of_periods import without_changes
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.mean_frequency import frequency
 from benchtool.analysis.quantisation.resolution import level_of, resolution
@@ -225,7 +226,7 @@ def _lines(
 ) -> Iterator[Measurement]:
     """Yield the fundamental and the largest low line; `of_steps` is how large one by a converter may be."""
     periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
-    text = f"peak amplitude at {f_1:.6g} Hz"
+    text = f"peak amplitude at {raw(f_1, 6)} Hz"
     own = combined_by_names(errors.budget(0))
     why = "" if own is not None else errors.unknown
     line = replace(basis, frequency_Hz=f_1)
@@ -246,13 +247,13 @@ def _lines(
     largest = largest_low_component(replace(spectrum, amplitude=read), _LOW_ORDER)
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
     text = (
-        f"largest peak amplitude below {limit_Hz:.6g} Hz other than dc and the fundamental, here at "
-        f"{largest.frequency_Hz:.6g} Hz; all bins, {f_1 / periods:.4g} Hz apart"
+        f"largest peak amplitude below {raw(limit_Hz, 6)} Hz other than dc and the fundamental, here at "
+        f"{raw(largest.frequency_Hz, 6)} Hz; all bins, {raw(f_1 / periods, 4)} Hz apart"
     )
     low = replace(basis, bandwidth_Hz=limit_Hz, frequency_Hz=largest.frequency_Hz)
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
     uncertain = _of_largest(clean if place % periods == 0 else spectrum, largest, errors, of_steps)
-    why = "" if uncertain is not None else f"the noise around {largest.frequency_Hz:.4g} Hz is not known"
+    why = "" if uncertain is not None else f"the noise around {raw(largest.frequency_Hz, 4)} Hz is not known"
     yield Measurement(
         "current_max_low_harmonic",
         largest.amplitude,

@@ -9,6 +9,7 @@ from typing import Final
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
@@ -59,7 +60,7 @@ def distortions(
         ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
     ]
     if current_rated_A_rms is not None:
-        rated = f"rated current of {current_rated_A_rms:g} {unit} rms, a reference of benchtool's own"
+        rated = f"rated current of {raw(current_rated_A_rms, 6)} {unit} rms, a reference of benchtool's own"
         bases.append(("current_tdd", Reference.STATED, math.sqrt(2.0) * current_rated_A_rms, rated))
     of_ratio = _of_ratio(channel, spectrum)
     for name, reference, stated, base in bases:
@@ -75,7 +76,7 @@ def distortions(
             continue
         source = (
             f"{', '.join(each.name for each in distortion.budget)}; noise and repeated quantisation alone "
-            f"would read {100 * distortion.noise:.2g} %, and add up to {100 * distortion.bias:.2g} %"
+            f"would read {raw(100 * distortion.noise, 2)} %, and add up to {raw(100 * distortion.bias, 2)} %"
         )
         at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
         uncertain = _with_bias(distortion, source)
