@@ -36,8 +36,8 @@ def number(value: float, digits: int = _DIGITS) -> str:
 
 def stated(value: float, uncertainty: float | None) -> str:
     """Return a value with its uncertainty, standard or expanded as the heading says: the uncertainty to two
-    digits and the value to the same place, up to ten digits (JCGM 100:2008, 7.2.6); without one, four
-    significant digits."""
+    digits and the value to the same place (JCGM 100:2008, 7.2.6), up to ten digits, to the last of which a
+    smaller uncertainty is rounded up; without one, four significant digits."""
     if uncertainty is None or not (math.isfinite(value) and _ROUNDING <= uncertainty < math.inf):
         return number(value)
     largest = max(abs(value), uncertainty)
@@ -48,8 +48,9 @@ def stated(value: float, uncertainty: float | None) -> str:
     decimals = max(0, min(-place, most))
     if place > 0:
         value, uncertainty = round(value, -place), round(uncertainty, -place)
-    beside = number(uncertainty, 2) if decimals < -place else f"{uncertainty:.{decimals}f}"
-    text = f"{_signed(f'{value:z.{decimals}f}')} ± {beside}"
+    if decimals < -place:  # it is of the last of these digits or less, and is rounded up
+        uncertainty = math.ceil(uncertainty * 10.0**decimals) / 10.0**decimals
+    text = f"{_signed(f'{value:z.{decimals}f}')} ± {uncertainty:.{decimals}f}"
     return f"({text}) × {_power(scaled)}" if scaled else text
 
 

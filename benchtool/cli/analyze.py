@@ -400,5 +400,7 @@ def _column_read(what: str, column: Mapping[str, Any]) -> str:
 def _timed(time: Mapping[str, Any]) -> str:
     if time["uniform"]:
         untold = "" if time["gaps"] is not None else "; whether rows are missing is unknown"
+        if time["jitter_s"] is None:
+            return f"time: even, at the stated {time['rate_Hz']:.7g} Hz{untold}"
         return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
     return f"time: not even, {time['why_not']}"

@@ -123,14 +123,15 @@ def table_block(question: TableQuestion) -> Block:
 
 def _source(columns: TableColumns, record: Record) -> dict[str, Any]:
     base, table = record.base, columns.table
+    has_stamps = record.question.rate_Hz is None
     gaps = base.gaps if record.cut is None else record.cut.gaps
     understood = {
         "uniform": record.uniform is not None,
         "why_not": "" if record.uniform is not None else record.uneven,
         "begin_s": base.begin_s,
         "rate_Hz": math.nan if base.refusal else base.rate_Hz,
-        "jitter_s": base.jitter_s,
-        "resolution_s": base.resolution_s,
+        "jitter_s": base.jitter_s if has_stamps else None,
+        "resolution_s": base.resolution_s if has_stamps else None,
         "gaps": len(gaps) if base.gaps_known else None,
         "rows_missing": sum(gap.missing_rows for gap in gaps) if base.gaps_known else None,
         "rows_of_span": len(record.data) if record.cut is None else record.cut.rows,

@@ -469,3 +469,15 @@ def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:
     text = " ".join(invoke("--help").stdout.split())
     assert "counted from 1" in text
     assert "--current Iq:mA" in text
+
+
+def test_a_stated_rate_has_no_stamps_and_no_jitter(invoke: Invoke) -> None:
+    _, current = phase_current()
+    write("bare.csv", "i [A]", [current + 1e-3 * np.random.default_rng(0).standard_normal(len(current))])
+    at_rate = ("--csv", "bare.csv", "--rate", "10kHz", "--current", "i")
+    case = measured(invoke(*at_rate, "--json"))
+    assert case["source"]["time"]["jitter_s"] is None
+    frequency = case["measurements"]["fundamental_frequency"]
+    assert "clock" not in frequency["uncertainty"]["source"]
+    assert frequency["basis"]["sensors"] == "the tolerance of the record's clock is not stated"
+    assert "time: even, at the stated 10000 Hz" in invoke(*at_rate).stdout

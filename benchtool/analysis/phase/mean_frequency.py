@@ -60,16 +60,14 @@ def frequency(
         is_told = not reason and len(seen.phase_rad) >= FEWEST
         turned = turned_by_angle(track, seen, of_tone() if is_told else None)
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
-    clock = ", and of the rate by the time stamps"
-    if rate_relative is None:
-        clock = "; of the clock what [bench.clock] states"
+    by_stamps = "" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase
     rounding_rad = 1e-9 + np.finfo(float).eps * 2.0 * math.pi * spectrum.periods
     budget.append(Contribution("rounding", "B", rounding_rad / (2.0 * math.pi * spectrum.duration_s)))
     if rate_relative is not None:
         of_rate = Contribution("sample rate", "B", rate_relative * spectrum.fundamental_Hz)
         budget.append(of_rate)
-    uncertain = combined([each for each in budget if each.standard != 0.0], f"{turned.source}{clock}")
+    uncertain = combined([each for each in budget if each.standard != 0.0], f"{turned.source}{by_stamps}")
     value_Hz = per_rad_Hz * turned.phase_rad
     whole = replace(basis, samples=track.samples, duration_s=track.samples / rate_Hz)
     return Measurement(

@@ -35,6 +35,7 @@ _SAME_STEP = 1e-6  # relative: what rounding of the readings leaves of a stated 
 _GRIDS = 0.125, 0.375, 0.625, 0.875  # where the steps of a reading may begin
 _BY_TIME: Final[Mapping[str, float]] = {"s": 1.0, "Hz": -1.0, "A/sqrt(Hz)": 0.5}
 """Degree in the length of a tick, by the unit of a measurement."""
+_OF_CLOCK: Final = frozenset({"s", "Hz"})  # measured by a clock alone
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ class Instruments:
             each = without_uncertainty(each, "; ".join(unknown))
         untold = [] if by_lags else [effect.of for effect in known]
         lines = [*moved.lines, *by_lags, *self._clock(each)]
-        remarks = [self._unstated(each), *moved.remarks]
+        remarks = [self._unstated(each), self._unstated_clock(each), *moved.remarks]
         if channels is not None:
             lines += [line for part in channels for line in self._lines(part, each)]
             remarks.append(self._of_noise(channels, each))
@@ -196,6 +197,12 @@ class Instruments:
             if len(lacking) == len(channels)
             else f"the uncertainty of {', '.join(lacking)} is not stated"
         )
+
+    def _unstated_clock(self, each: Measurement) -> str:
+        """Return the remark on a time or a frequency whose clock is not stated."""
+        if self.bench.clock is not None or each.unit not in _OF_CLOCK:
+            return ""
+        return f"the tolerance of {self.clock_of}'s clock is not stated"
 
     def _lines(self, part: Sensitivity, each: Measurement) -> Iterator[Contribution]:
         """Yield the gain, offset and resolution of one channel, of a number that is corrected already."""

@@ -17,11 +17,12 @@ from benchtool.analysis import (
 )
 from benchtool.analysis.catalogue import catalogue, measure
 from benchtool.analysis.measurement import Basis
+from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.sensors.instruments import UNSTATED, Instruments, Perturbed
 from benchtool.analysis.uncertainty import Contribution, InstrumentError, combined, of_difference
 from benchtool.analysis.window import Window
 from benchtool.block import Block
-from benchtool.profile import Bench, Sensor
+from benchtool.profile import Bench, ReferenceClock, Sensor
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture
 from tests.unit.analysis.stated_sensors import applied, reading, sensor_of, uncertainty_of
 
@@ -67,6 +68,15 @@ def test_without_a_bench_nothing_changes_but_what_is_said() -> None:
     stated = Bench(channels={"torque": sensor_of(gain_U_percent=1.0)})
     (error,) = applied(stated, reading("torque_error", 0.1, 0.1))[:1]
     assert error.basis.sensors == "the uncertainty of torque_transducer is not stated"
+
+
+@pytest.mark.parametrize(("unit", "told"), [("Hz", True), ("s", True), ("Nm", False)])
+def test_a_time_or_frequency_says_that_the_clock_is_not_stated(unit: str, told: bool) -> None:
+    plain = replace(reading("fundamental_frequency", 50.0, 0.1, unit), sensitivities=NO_SENSORS)
+    (bare,) = applied(Bench(), plain)
+    assert bare.basis.sensors == ("the tolerance of the drive's clock is not stated" if told else "")
+    (stated,) = applied(Bench(clock=ReferenceClock(tolerance_ppm=50.0)), plain)
+    assert stated.basis.sensors == ""
 
 
 def test_an_uncertainty_that_is_not_known_stays_so() -> None:
