@@ -80,13 +80,14 @@ from .periods import (
     track_angle as track_angle,
     track_tone as track_tone,
 )
-from .phase.mean_frequency import signal_remarks as signal_remarks
+from .phase.mean_frequency import angle_remarks as angle_remarks
 from .plug_ins import guarded as guarded
 from .quantisation.counted_line import (
     least_spread as least_spread,
     line_through_counts as line_through_counts,
 )
 from .quantisation.resolution import resolution as resolution
+from .remarks import signal_remarks as signal_remarks
 from .responses.bode import (
     Bode as Bode,
     analyze_response as analyze_response,
@@ -113,6 +114,7 @@ from .spectra.current import (
     CurrentSpectrum as CurrentSpectrum,
     current_spectrum as current_spectrum,
 )
+from .spectra.flat_crests import flat_crest_remark as flat_crest_remark
 from .spectra.groups import (
     GroupDistortion as GroupDistortion,
     HarmonicGroups as HarmonicGroups,

@@ -39,7 +39,7 @@ class Basis:
     largest. `bin_Hz` is the width of the bins that noise is stated of, and `band` half the width of the band,
     in the signal's unit, within which a signal counts as settled. `span_s` is how long after a step its
     samples count. `angle_Hz` is the electrical frequency by a rotor angle, where the phase of the signal gave
-    another.
+    another, and `flat_crest` the share of a period for which a current is level at its crest, if it is.
     """
 
     samples: float | None = None
@@ -59,6 +59,7 @@ class Basis:
     band: float | None = None
     span_s: float | None = None
     angle_Hz: float | None = None
+    flat_crest: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
         """Return the fields that apply."""
@@ -127,6 +128,12 @@ class Measurement:
     def known_uncertainty(self) -> Uncertainty | None:
         """The uncertainty, or what is known of it where a resolution does not show."""
         return self.uncertainty if self.unresolved is None else self.unresolved.beside
+
+    def without_uncertainty(self, reason: str) -> Measurement:
+        """Return it without an uncertainty for a reason; what had none keeps its own."""
+        if self.uncertainty is None:
+            return self
+        return replace(self, uncertainty=None, uncertainty_reason=reason)
 
     def without_resolution_of(self, *channels: str) -> Measurement:
         """Return it without an uncertainty where channels that it rests on read the same in every sample."""

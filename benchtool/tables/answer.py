@@ -17,10 +17,10 @@ from benchtool.tables.record import Record, time_base_of
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
-    angle_departs,
     electrical,
     numbers_in_head,
     of_clock,
+    of_signals,
     of_stretch,
     of_tables,
     other_frequency,
@@ -91,7 +91,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *of_stretch(record, measurements),
         *other_frequency(record, measurements),
         *other_speed(record),
-        *angle_departs(measurements),
+        *of_signals(measurements),
         *overdue(bench, question.day),
     )
     kept = KeptTable.of(record, columns.joined, bench)

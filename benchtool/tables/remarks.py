@@ -11,7 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from benchtool.analysis import Measurement, clipping, signal_remarks
+from benchtool.analysis import Measurement, angle_remarks, clipping, flat_crest_remark
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
@@ -43,6 +43,7 @@ class RemarkKind(StrEnum):
     """Kind of a remark."""
 
     CLIPPED = "clipped"
+    FLAT_CRESTS = "flat_crests"
     REPEATED_ROWS = "repeated_rows"
     TWO_REGIMES = "two_regimes"
     SEVERAL_REGIMES = "several_regimes"
@@ -123,10 +124,12 @@ def other_frequency(record: Record, measurements: Sequence[Measurement]) -> Iter
         )
 
 
-def angle_departs(measurements: Sequence[Measurement]) -> Iterator[Remark]:
-    """Yield that current and angle do not turn together."""
-    for text in signal_remarks(measurements):
+def of_signals(measurements: Sequence[Measurement]) -> Iterator[Remark]:
+    """Yield that current and angle do not turn together, and that the current has flat crests."""
+    for text in angle_remarks(measurements):
         yield Remark(RemarkKind.ANGLE_DEPARTS, "angle", text)
+    if text := flat_crest_remark(measurements):
+        yield Remark(RemarkKind.FLAT_CRESTS, "current", text)
 
 
 def numbers_in_head(layout: Layout) -> Iterator[Remark]:

@@ -99,8 +99,8 @@ def spectral_lines(
         window="Hann, the whole record",
         gaps=0,
     )
-    bins = f"{raw(width_Hz, 4)} Hz a bin"
-    what = f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {bins}"
+    width = f"{raw(width_Hz, 4)} Hz a bin"
+    what = f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {width}"
     texts = (
         ("frequency", "Hz", f"mean frequency of the largest sinusoid of {what}"),
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),

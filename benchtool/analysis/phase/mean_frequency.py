@@ -98,7 +98,7 @@ def _between_records(spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander
     return Contribution(name, "A", wander.standard / (2.0 * math.pi * duration_s), wander.dof)
 
 
-def signal_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
+def angle_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
     """Return the remark that a signal and a rotor angle do not turn together, if they do not."""
     return tuple(filter(None, map(_departure, measurements)))
 

@@ -67,20 +67,13 @@ def corrected(
         why = f"the sensor may have changed it by as much as is left ({names})"
         if any(each.is_guarantee for each in effects):
             why += ": state bandwidth_tolerance_percent, if its response is known"
-        return without_uncertainty(read, why), ()
+        return read.without_uncertainty(why), ()
     before = [each.scatter for each in effects if each.scatter is not None]
     uncertain = max(before, key=lambda each: each.standard, default=read.uncertainty)
     if uncertain is not None and proportional and read.value:
         uncertain = uncertain.scaled(value / read.value)
     correction = Correction(added, names) if added else None
     return replace(read, value=value, uncertainty=uncertain, correction=correction), lines
-
-
-def without_uncertainty(read: Measurement, reason: str) -> Measurement:
-    """Return a number whose uncertainty is not known; one that had none keeps its own reason."""
-    if read.uncertainty is None:
-        return read
-    return replace(read, uncertainty=None, uncertainty_reason=reason)
 
 
 def bandwidth_of(channel: str, sensor: Sensor) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from benchtool.analysis.measurement import Measurement, Table
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Component, Error, Level, Noise, Sensitivity
-from benchtool.analysis.sensors.corrections import Effect, bandwidth_of, corrected, without_uncertainty
+from benchtool.analysis.sensors.corrections import Effect, bandwidth_of, corrected
 from benchtool.analysis.sensors.effects import before_the_sensors, moved_by_steps
 from benchtool.analysis.sensors.lag import Lag, Response
 from benchtool.analysis.sensors.largest_line import may_be_another
@@ -135,7 +135,7 @@ class Instruments:
         by_data = each.uncertainty
         each, by_lags = corrected(each, known, proportional=each.sensitivities.is_declared)
         if unknown:
-            each = without_uncertainty(each, "; ".join(unknown))
+            each = each.without_uncertainty("; ".join(unknown))
         untold = [] if by_lags else [effect.of for effect in known]
         lines = [*moved.lines, *by_lags, *self._clock(each)]
         remarks = [self._unstated(each), self._unstated_clock(each), *moved.remarks]
@@ -150,7 +150,7 @@ class Instruments:
         basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
         each = replace(each, basis=basis)
         if not all(math.isfinite(line.standard) for line in lines):
-            each = without_uncertainty(each, "it is not found again with another error of its sensors")
+            each = each.without_uncertainty("it is not found again with another error of its sensors")
         if each.uncertainty is None:
             lines += [Contribution(effect, "B", math.nan) for effect in (*unknown, *untold, *unresolved)]
             return replace(each, of_sensors=tuple(lines))

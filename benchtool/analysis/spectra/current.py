@@ -31,6 +31,7 @@ from benchtool.analysis.phase.mean_frequency import frequency
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
+from benchtool.analysis.spectra.flat_crests import crest_is_flat, flat_crest, with_flat_crest
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
 from benchtool.analysis.spectra.interharmonics import noise_of_fit
@@ -156,7 +157,11 @@ def current_spectrum(
     )
     of_lines = replace(lines, harmonics=len(errors.phase))
     table = harmonic_table(clean, "current_harmonics", channel, unit, of_lines, errors=errors)
-    tables = [_without_uncertainty(table, sound.of_amplitudes) if sound.of_amplitudes else table]
+    why = sound.of_amplitudes
+    if not why and (share := flat_crest(samples, found.turns, step)):
+        why = crest_is_flat(share)
+        numbers = (numbers[0], *(with_flat_crest(each, share) for each in numbers[1:]))
+    tables = [_without_uncertainty(table, why) if why else table]
     if groups is not None:
         of_groups = group_basis(found.coherent, groups, basis)
         tables.append(group_table(groups, "current_groups", unit, of_groups))

@@ -1,0 +1,95 @@
+"""Crests that are level: those of a current that was clipped before noise came in, and no round ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import current_spectrum, signal_remarks, track_angle
+from benchtool.analysis.spectra.flat_crests import flat_crest
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+Wave = Callable[[Floats], Floats]
+
+RATE_HZ, POLE_PAIRS, COUNT = 10_000.0, 4, 20_000
+
+
+def harmonics(theta: Floats) -> Floats:
+    return np.asarray(np.cos(theta) + 0.03 * np.cos(5 * theta + 1.0) + 0.02 * np.cos(7 * theta + 2.0))
+
+
+def angle(random: np.random.Generator, periods: float = 40.3, count: int = COUNT) -> Floats:
+    return np.asarray(2 * np.pi * (np.arange(count) / count * periods + random.uniform()))
+
+
+def found(wave: Wave, noise: float, *, clip: float = math.inf, step: float = 0.0, seed: int = 0) -> float:
+    random = np.random.default_rng(seed)
+    theta = angle(random)
+    read = np.clip(wave(theta), -clip, clip) + noise * random.standard_normal(COUNT)
+    if step:
+        read = step * np.round((read - random.uniform() * step) / step)
+    return flat_crest(read, theta / (2 * np.pi), step)
+
+
+@pytest.mark.parametrize(
+    ("clip", "noise"), [(0.98, 1e-4), (0.95, 1e-3), (0.93, 1e-2), (0.8, 3e-3), (0.5, 1e-2)]
+)
+def test_a_crest_that_is_clipped_before_the_noise_is_level(clip: float, noise: float) -> None:
+    share = math.acos(clip / 1.02) / math.pi
+    for seed in range(5):
+        assert found(harmonics, noise, clip=clip, seed=seed) == pytest.approx(share, abs=0.03)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1])
+@pytest.mark.parametrize(
+    "wave",
+    [
+        np.cos,
+        harmonics,
+        lambda theta: np.cos(theta) - np.cos(3 * theta) / 9,  # as flat as a third harmonic makes it
+        lambda theta: np.cos(theta) - np.cos(3 * theta) / 6,
+        lambda theta: np.cos(theta) + 0.2 * np.cos(5 * theta) + 0.12 * np.cos(7 * theta),
+    ],
+)
+def test_a_round_crest_is_not_level_however_flat_it_is(wave: Wave, noise: float) -> None:
+    assert [found(wave, noise, seed=seed) for seed in range(4)] == [0.0] * 4
+
+
+@pytest.mark.parametrize("bits", [5, 6, 7, 8, 10])
+def test_the_highest_level_of_a_converter_is_no_level_crest(bits: int) -> None:
+    for noise in (1e-5, 2e-3):
+        assert found(harmonics, noise, step=2.2 / 2**bits) == 0.0
+
+
+def test_few_periods_and_an_amplitude_that_ramps() -> None:
+    random = np.random.default_rng(3)
+    theta = angle(random, 4.3, 2_000)
+    short = np.clip(harmonics(theta), -0.9, 0.9) + 1e-3 * random.standard_normal(2_000)
+    assert flat_crest(short, theta / (2 * np.pi)) > 0.1
+    assert flat_crest(short[:800], theta[:800] / (2 * np.pi)) == 0.0  # fewer than three periods
+    theta = angle(random)
+    ramp = np.linspace(0.95, 1.05, COUNT) * harmonics(theta) + 1e-3 * random.standard_normal(COUNT)
+    assert flat_crest(ramp, theta / (2 * np.pi)) == 0.0
+
+
+@pytest.mark.parametrize("clip", [0.93, math.inf])
+def test_numbers_of_a_clipped_current_have_no_uncertainty_and_a_remark(clip: float) -> None:
+    random = np.random.default_rng(4)
+    theta = angle(random)
+    read = 5.0 * (np.clip(harmonics(theta), -clip, clip) + 2e-3 * random.standard_normal(COUNT))
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=read)
+    spectrum = current_spectrum(block, "i_a", track_angle(theta / POLE_PAIRS, POLE_PAIRS))
+    numbers = {each.name: each for each in spectrum.measurements}
+    remarks = signal_remarks(spectrum.measurements)
+    is_clipped = math.isfinite(clip)
+    assert len(remarks) == int(is_clipped)
+    for name in ("current_fundamental", "current_thd_f", "current_noise_floor"):
+        assert (numbers[name].uncertainty is None) == is_clipped
+        assert ("clipped before noise" in numbers[name].uncertainty_reason) == is_clipped
+    assert numbers["fundamental_frequency"].uncertainty is not None
+    assert math.isnan(spectrum.tables[0].rows[0][-1]) == is_clipped
