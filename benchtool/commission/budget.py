@@ -7,8 +7,6 @@ import math
 from benchtool.analysis import Contribution, Uncertainty, combined
 from benchtool.commission.known import Known
 
-_CODES = 2.0**10  # of a converter of the dc link, at the least
-
 
 def of_fit(
     value: float,
@@ -37,7 +35,7 @@ def of_fit(
             distribution as well.
         saturation: largest deviation by the course of an inductance over the current, in its unit.
     """
-    step = known.u_dc_full_scale_V / _CODES / known.u_dc_V
+    step = known.link_step_V / known.u_dc_V
     late_s = 0.5 * known.drop_V / known.u_dc_V * known.control_period_s
     L = min(known.value("L_d", known.motor.L_d_H), known.value("L_q", known.motor.L_q_H))
     lines = [Contribution(scatter, "A", standard, dof)]

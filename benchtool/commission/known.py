@@ -31,6 +31,7 @@ _LEAST_FLUX = 0.02  # of the nameplate's
 _LEAST_L = 0.1  # of the nameplate's
 _AS_STATED = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
 _SERIES_AS_STATED = (0.5, 2.0)  # of a device, by its temperature, and of a cable
+_CODES = 2.0**10  # of a converter of the dc link, at the least
 _SEEN = 3.0  # standard uncertainties, below which nothing is compensated
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
@@ -56,6 +57,11 @@ class Known:
     variables: Mapping[str, Variable] = field(default_factory=lambda: MappingProxyType({}))
     held: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
     estimates: Mapping[str, Measurement] = field(default_factory=lambda: _NONE)
+
+    @property
+    def link_step_V(self) -> float:
+        """Step of the converter of the dc link: of an unknown one ten bits are assumed."""
+        return self.u_dc_full_scale_V / _CODES
 
     @classmethod
     def of(cls, drive: RemoteDrive, profile: Profile, stated: Mapping[str, Value] | None = None) -> Self:

@@ -119,7 +119,7 @@ class BackEmf:
             Contribution(
                 "step of the converter of the dc link",
                 "B",
-                found.psi_Wb * known.u_dc_full_scale_V / 1024.0 / known.u_dc_V / math.sqrt(12.0),
+                found.psi_Wb * known.link_step_V / known.u_dc_V / math.sqrt(12.0),
             ),
             Contribution("voltage that slow speeds show more of", "B", found.curved_Wb),
             Contribution("dead time across the flux", "B", _across_Wb(blocks[-1], turning[-1], known)),

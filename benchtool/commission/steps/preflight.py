@@ -76,10 +76,9 @@ class Preflight:
                 "check the supply and its cables",
             )
         _require_link(mean, known)
-        step_V = known.u_dc_full_scale_V / 1024.0
         lines = [
             Contribution("scatter", "A", scatter / math.sqrt(len(u_dc)), len(u_dc) - 1.0),
-            Contribution("step of the converter of the dc link", "B", step_V / math.sqrt(12.0)),
+            Contribution("step of the converter of the dc link", "B", known.link_step_V / math.sqrt(12.0)),
         ]
         basis = Basis(samples=len(u_dc), sample_rate_Hz=1.0 / known.control_period_s)
         u = combined([each for each in lines if each.standard > 0.0], "scatter and converter")

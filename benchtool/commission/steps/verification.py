@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Window
+from benchtool.analysis import Instruments, Measurement, Window
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
@@ -28,6 +28,7 @@ from benchtool.commission.steps.step import Finding
 from benchtool.commission.tuning.loops import mean_square_of_chirp
 from benchtool.drive import CaptureRequest, Stimulus
 from benchtool.errors import AnalysisError
+from benchtool.profile import Bench, Sensor
 from benchtool.protocol import Mode
 
 _CHANNELS = ("i_a", "i_b", "i_c", "u_alpha", "u_beta", "u_dc", "theta_m", "omega_m", "torque")
@@ -112,13 +113,15 @@ class Verification:
         (block,) = blocks
         window = Window.of(of_a_sine(block, known), known.identified)
         found: list[Measurement] = []
+        link = Sensor.model_validate({"resolution_V": known.link_step_V})
+        instruments = Instruments(Bench(channels={"u_dc": link}), [block])
         settings = MotionBalanceSettings(cogging_orders=known.cogging_orders)
         for kind, measure in (
             (FLUX_BALANCE, FLUX_BALANCE.measure),
             (MOTION_BALANCE, MOTION_BALANCE.measure),
         ):
             try:
-                found += sound_balance(measure(window, settings).measurements, known)
+                found += sound_balance(instruments.applied(measure(window, settings).measurements), known)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))

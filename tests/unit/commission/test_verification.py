@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -11,6 +12,8 @@ from benchtool.commission.known import Known
 from benchtool.commission.steps.verification import Verification, sound_balance
 from benchtool.errors import AnalysisError
 from benchtool.profile import load_profile
+from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
+from tests.unit.analysis.excited_machine import U_DC, excited_capture
 
 KNOWN = Known(load_profile("zhu2011").motor, 1e-4, 122.6)
 R_S = KNOWN.identified.R_s_ohm
@@ -85,3 +88,13 @@ def test_a_balance_that_takes_the_resistance_for_dead_time_tells_nothing() -> No
         with pytest.raises(AnalysisError, match=r"for dead time, several levels of current have told 1\.4 V"):
             sound_balance(balance(dead_time_V, 0.04), known)
     assert sound_balance([], known) == []
+
+
+def test_the_balances_know_the_step_that_a_commissioning_assumes_of_the_dc_link() -> None:
+    """A link at rest reads the same in every sample, and shows none."""
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0)
+    assert known.link_step_V == 1.0
+    found = Verification().estimate([excited_capture()], known)["flux_balance_psi_r"]
+    assert found.uncertainty is not None
+    by_step = 1.0 / math.sqrt(12.0) / U_DC * found.value
+    assert found.uncertainty.standard == pytest.approx(by_step, rel=0.01)
