@@ -84,18 +84,13 @@ class Judged(Section):
     @property
     def complaint(self) -> str:
         """Why the limit is not met, in words; empty where it is."""
-        verdict = self.judge()
-        if verdict.met:
+        told = self.held.told
+        if told is None or self.judge().met:
             return ""
         if self.value is None:
             why = f" ({self.reason})" if self.reason else ""
             return f"{self.name} was not measured{why}, {self.limit.bounds} {self.unit} is asked for"
-        told = f"{self.name} is {self.value:.6g} {self.unit}".rstrip()
-        beyond = self.limit.shortfall(self.value) or f"not decided within {self.limit.bounds}"
-        U = self.uncertainty
-        spread = "" if U is None else f" (U = {U.expanded:.2g}, k = {U.k:.3g})"
-        known = " and its uncertainty is not known" if U is None and self.limit.margin == "U" else ""
-        return f"{told}{spread}: {beyond}{known}"
+        return str(told)
 
 
 class Attachment(Section):

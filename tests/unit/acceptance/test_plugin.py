@@ -164,7 +164,7 @@ def test_the_first_page_has_what_is_signed(ran: Ran, place: Path) -> None:
         "R-2",
         "known since 2026",
         "no load machine",
-        "Guard band U (95 %): 1 limits.",
+        "Guard band U (95 %): 1 limit.",
         "Simple acceptance: 6 limits.",
     ):
         assert text in above
