@@ -27,6 +27,7 @@ from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
 from benchtool.results import Delta
 
 _SHOWN_ROWS = 10
+_MOST_PERCENT = 1000.0  # of a bound: more tells less than the distance itself
 _ALIKE = 0.005  # relative: standard uncertainties that are the same to two digits
 _OF_BUDGETS: Final = (
     "U = t s: s is the experimental standard uncertainty and t Student's factor of the effective degrees of "
@@ -87,7 +88,8 @@ def _limit_row(judged: JudgedLimit) -> tuple[str | Cell, ...]:
     if measured is not None and math.isfinite(measured.value):
         stated = (bound for bound in (limit.min, limit.max) if bound is not None)
         nearer = min(stated, key=lambda bound: abs(measured.value - bound))
-        share = f" ({raw(100.0 * judged.headroom / abs(nearer), 2)} %)" if nearer else ""
+        percent = 100.0 * judged.headroom / abs(nearer) if nearer else math.inf
+        share = f" ({raw(percent, 2)} %)" if abs(percent) < _MOST_PERCENT else ""
         left = raw(judged.headroom, 3) + share
     return (
         judged.name,

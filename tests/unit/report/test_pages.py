@@ -258,6 +258,7 @@ def test_the_appendix_has_k_degrees_of_freedom_and_the_budget_of_each_uncertaint
         (Limit(max=2.0), 2.5, "−0.5 (−25 %)"),
         (Limit(max=0.0), 0.0, "0"),
         (Limit(min=1.0), 2.0, "1 (100 %)"),
+        (Limit(max=1e-6), 0.65, "−0.65"),
         (Limit(max=9500.0), 30900.0, "−21400 (−230 %)"),
     ],
 )
