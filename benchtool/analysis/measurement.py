@@ -62,8 +62,9 @@ class Basis:
     flat_crest: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
-        """Return the fields that apply."""
-        return {key: value for key, value in asdict(self).items() if value is not None and value != ""}
+        """Return the fields that apply; samples as the whole number nearest to that in whole periods."""
+        document = {key: value for key, value in asdict(self).items() if value is not None and value != ""}
+        return document if self.samples is None else document | {"samples": round(self.samples)}
 
 
 @dataclass(frozen=True)

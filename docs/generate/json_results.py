@@ -81,8 +81,8 @@ class Uncertainty(Document):
 class Basis(Document):
     """What a measurement rests on; what does not apply is left out."""
 
-    samples: float | None = None
-    """Samples used."""
+    samples: int | None = None
+    """Samples used; in whole periods the nearest number."""
     sample_rate_Hz: float | None = None
     """Their rate."""
     duration_s: float | None = None

@@ -10,6 +10,7 @@ import pytest
 from scipy import stats
 
 from benchtool.analysis import (
+    Basis,
     Contribution,
     Measurement,
     Uncertainty,
@@ -138,3 +139,8 @@ def test_the_source_names_instruments_before_what_is_smaller(gain: float, source
         "gain of torque; U = 1 %, k = 2", "B", gain, instrument=InstrumentError("gain", "torque")
     )
     assert Uncertainty(0.3, "scatter").with_instruments([error, error]).source == source
+
+
+def test_samples_are_a_whole_number_in_a_document() -> None:
+    """9500.000000148917 samples were used, in whole periods."""
+    assert json.dumps(Basis(samples=9500.000000148917, gaps=0).to_json()) == '{"samples": 9500, "gaps": 0}'
