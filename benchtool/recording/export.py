@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 from pyarrow import csv
 
 from benchtool.block import Block, number_array
 from benchtool.errors import EnvironmentFailure, RecordingError
 from benchtool.recording.files import replacing, require_free
 from benchtool.recording.reader import Bundle
+
+_TIME: Final = "time_s"
 
 
 class Format(StrEnum):
@@ -33,7 +37,8 @@ class Format(StrEnum):
 def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
     """Write a stream to `path`, which appears whole or not at all; the block that was written.
 
-    Every format holds `tick`, `time_s` since the first row, and the channels with their units and every bit
+    Every format holds `tick`, `time_s`, since the first row or as a table of another tool had it, and the
+    channels with their units and every bit
     of their values. Missing rows are left out: their ticks do not appear.
 
     Raises:
@@ -49,12 +54,24 @@ def export(bundle: Bundle, stream: str, format_: Format, path: Path) -> Block:
     return block
 
 
+def _time_s(block: Block) -> NDArray[np.float64]:
+    """Return the time of the rows: as it was recorded, in a table of another tool, else by their ticks."""
+    return np.ascontiguousarray(block.column(_TIME)) if _TIME in block.names else block.time_s()
+
+
+def _others(block: Block) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
+    """Yield the channels but the time: name, unit and values."""
+    for each in block.channels:
+        if each.name != _TIME:
+            yield each.name, each.unit, np.ascontiguousarray(block.column(each.name))
+
+
 def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
     """Write one header line, `name [unit]`, and numbers as the shortest decimals that read back to the same
     bits."""
-    names = ["tick", "time_s [s]"]
-    names += [f"{each.name} [{each.unit}]" if each.unit else each.name for each in block.channels]
-    columns = [number_array(each) for each in (block.ticks(), block.time_s(), *block.data.T)]
+    table = [("tick", "", block.ticks()), ("time_s", "s", _time_s(block)), *_others(block)]
+    names = [f"{name} [{unit}]" if unit else name for name, unit, _ in table]
+    columns = [number_array(values) for _, _, values in table]
     with path.open("wb") as file:
         file.write((",".join(names) + "\n").encode())
         options = csv.WriteOptions(include_header=False)
@@ -65,9 +82,9 @@ def _mat(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
     """Write a struct named as the stream: fields of the channels, and `units` with the same names."""
     from scipy.io import savemat
 
-    content = {"tick": block.ticks(), "time_s": block.time_s()}
-    content |= {name: np.ascontiguousarray(block.column(name)) for name in block.names}
-    units = {"tick": "", "time_s": "s"} | {each.name: each.unit for each in block.channels}
+    content = {"tick": block.ticks(), "time_s": _time_s(block)}
+    content |= {name: values for name, _, values in _others(block)}
+    units = {"tick": "", "time_s": "s"} | {name: unit for name, unit, _ in _others(block)}
     about = {"tick_s": block.tick_s, "stride": block.stride, "what": bundle.manifest.what}
     document = {_identifier(stream): {**content, "units": units, **about}}
     savemat(path, document, oned_as="column", long_field_names=True)
@@ -87,12 +104,9 @@ def _mdf4(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
         raise EnvironmentFailure(
             "the package asammdf is not installed, which writes MDF4: pip install 'benchtool[mdf]'"
         ) from None
-    time_s = block.time_s()
+    time_s = _time_s(block)
     signals = [Signal(block.ticks(), time_s, name="tick")]
-    signals += [
-        Signal(np.ascontiguousarray(block.column(each.name)), time_s, name=each.name, unit=each.unit)
-        for each in block.channels
-    ]
+    signals += [Signal(values, time_s, name=name, unit=unit) for name, unit, values in _others(block)]
     with MDF(version="4.10") as file:
         file.start_time = datetime.fromisoformat(bundle.manifest.when)
         file.append(signals, acq_name=stream, comment=bundle.manifest.what)

@@ -37,8 +37,8 @@ from benchtool.tables.sensed_columns import SIGNALS, bench_of_columns
 class TableAnswer:
     """Measurements of a table; `source` describes what was read and how its time stamps were interpreted.
 
-    `record` has the rows that were used, `kept` what else the measurements rest on, `remarks` describe
-    oddities.
+    `record` has the rows that were used, `kept` what else the measurements rest on, `quantities`
+    the names of its columns without their units in the file, `remarks` describe oddities.
     """
 
     measurements: tuple[Measurement, ...]
@@ -46,6 +46,7 @@ class TableAnswer:
     source: Mapping[str, Any]
     record: Record
     kept: KeptTable
+    quantities: Mapping[str, str]
     remarks: tuple[Remark, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
@@ -95,7 +96,7 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *overdue(bench, question.day),
     )
     kept = KeptTable.of(record, columns.joined, bench)
-    return TableAnswer(measurements, tables, _source(columns, record), record, kept, odd)
+    return TableAnswer(measurements, tables, _source(columns, record), record, kept, columns.quantities, odd)
 
 
 def table_block(question: TableQuestion) -> Block:

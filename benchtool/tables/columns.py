@@ -23,6 +23,7 @@ from benchtool.tables.names_between import Names, names_between
 from benchtool.tables.selection import Selection, by_number, hides
 from benchtool.tables.text import Rows, TextTable
 from benchtool.tables.time_base import time_base
+from benchtool.tables.unit_in_name import quantity_of
 
 PHASES = ("current", "current_b", "current_c")
 """Kinds of the columns of three phase currents."""
@@ -34,6 +35,8 @@ QUANTITIES: Mapping[str, str] = {
     "speed": "rad/s",
 }
 """Kinds of columns, with their SI units."""
+
+_COMPUTED = ("tick", "time_s")  # columns that an exported stream has besides its channels
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,19 @@ class TableColumns:
             )
             for what, each in self.chosen.items()
             if what != "time"
+        }
+
+    @property
+    def quantities(self) -> dict[str, str]:
+        """What values of the columns in SI are called: as in the file, without the units there."""
+        names = {what: channel.name for what, channel in self.channels.items()}
+        plain = {
+            what: quantity_of(self.table.layout.columns[self.chosen[what].number - 1], self.chosen[what].unit)
+            for what in names
+        }
+        taken = Counter((*plain.values(), *_COMPUTED))
+        return {
+            what: plain[what] if plain[what] and taken[plain[what]] == 1 else names[what] for what in names
         }
 
     def called_by_numbers(self, question: TableQuestion) -> Iterator[tuple[str, str]]:

@@ -9,8 +9,8 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from benchtool.analysis import Instruments, Measurement, Table
-from benchtool.block import Block
-from benchtool.document import Array, Section, defaults, explain
+from benchtool.block import Block, Channel
+from benchtool.document import Section, defaults, explain
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
@@ -30,9 +30,10 @@ class KeptLoss(Section):
 
 class KeptTable(Section):
     """What the numbers of a table rest on beside its rows: `columns` are the kinds of those behind the time,
-    `joined` says why the rows are no one record, `bench` has the sensors by the columns' names."""
+    with their names in the file, `joined` says why the rows are no one record, `bench` has the sensors by
+    these names."""
 
-    columns: Array[str]
+    columns: dict[str, str]
     pole_pairs: int | None = None
     slots: int | None = None
     torque_rated_Nm: float | None = None
@@ -47,7 +48,7 @@ class KeptTable(Section):
         """Return what is kept of a record."""
         question, lost = record.question, record.lost
         return cls(
-            columns=tuple(record.channels),
+            columns={what: channel.name for what, channel in record.channels.items()},
             pole_pairs=question.pole_pairs,
             slots=question.slots,
             torque_rated_Nm=question.torque_rated_Nm,
@@ -102,7 +103,10 @@ class KeptTable(Section):
             bench=self.bench,
         )
         lost = Lost(self.lost.left_out, self.lost.within, self.lost.reasons, self.lost.first)
-        named = dict(zip(self.columns, channels, strict=True))
+        named = {
+            what: Channel(name, channel.unit)
+            for (what, name), channel in zip(self.columns.items(), channels, strict=True)
+        }
         return Record(rows.data, time_base_of(rows.data, self.joined), named, question, lost)
 
     def measured_again(self, rows: Block) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from benchtool.tables.units import KNOWN, is_description, is_unit, unit_factor
+from benchtool.tables.head import Column
+from benchtool.tables.units import KNOWN, is_description, is_scale, is_unit, unit_factor
 
 _UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
 _BLANKS = r"[_\s]+"
@@ -142,6 +143,18 @@ def name_before_last_unit(name: str) -> str:
         match is not None and is_unit(match["last"]) and (match["between"] != "_" or len(match["last"]) > 1)
     )
     return match["name"] if match is not None and is_one else name
+
+
+def quantity_of(column: Column, unit: str) -> str:
+    """Return the name of a column without the unit of its cells, in brackets, behind a solidus or as its last
+    word: what values in another unit are called."""
+    words = column.in_brackets
+    if words and (words in (unit, column.unit) or is_scale(words)):
+        return column.name_before_brackets.removesuffix("/").rstrip()
+    if "[" in column.name or "(" in column.name:
+        return column.name
+    bare = column.bare_name
+    return name_before_last_unit(name_before_unit(bare)) if unit_in_name(bare, unit) == unit else bare
 
 
 def _joined(words: list[str], between: str, unit: str) -> str:

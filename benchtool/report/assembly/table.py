@@ -23,7 +23,7 @@ from benchtool.report.figures.overview import draw_channels
 from benchtool.report.provenance import files_section, run_facts
 from benchtool.report.results import budgets_section, measurements_section, tables_section
 from benchtool.results import TABLE
-from benchtool.tables import Record, TableAnswer
+from benchtool.tables import TableAnswer
 
 
 def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[str]) -> Bundle:
@@ -51,7 +51,7 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         },
     )
     with BundleWriter(folder, manifest) as bundle:
-        bundle.append(TABLE, _block(record))
+        bundle.append(TABLE, _block(answer))
         return bundle.finish(
             measurements_to_json(answer.measurements), verdict="none", tables=tables_to_json(answer.tables)
         )
@@ -114,9 +114,11 @@ def _figures(bundle: Bundle, source: Mapping[str, Any]) -> Iterator[Item]:
     yield Section("Figures", (Picture(figure, caption, content.describe_figure(figure)),))
 
 
-def _block(record: Record) -> Block:
-    """Return the rows as a block, whose first channel is their time."""
-    channels = (Channel("time_s", "s"), *record.channels.values())
+def _block(answer: TableAnswer) -> Block:
+    """Return the rows as a block, whose first channel is their time; the others are in SI, and called so."""
+    record = answer.record
+    named = ((answer.quantities[what], each.unit) for what, each in record.channels.items())
+    channels = (Channel("time_s", "s"), *(Channel(name, unit) for name, unit in named))
     gaps = () if record.base.refusal else record.base.gaps
     step_s = record.base.step_s if record.base.step_s > 0.0 else 1.0
     return Block(channels, 0, 1, step_s, record.data, gaps)
