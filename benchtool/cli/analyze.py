@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 import math
 import re
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import catalogue, sensor_remarks, undefined, without_uncertainty
+from benchtool.analysis import catalogue
 from benchtool.cli import options, selection as chosen
-from benchtool.cli.fitting import named
+from benchtool.cli.conditions import conditions
 from benchtool.cli.output import Output, warn_unsealed
-from benchtool.cli.results import measured, show_run
-from benchtool.errors import RecordingError, UsageError
-from benchtool.profile import load_bench
-from benchtool.recording import Bundle, enlist
+from benchtool.cli.results import show_run
+from benchtool.cli.tables import columns_of, keep_table, require_time, show_table, stated_sensors
+from benchtool.errors import UsageError
+from benchtool.recording import Bundle, Conditions
 from benchtool.results import (
     Assessment,
     RunResult,
@@ -34,8 +33,7 @@ from benchtool.results import (
     recorded_runs,
     stored_remarks,
 )
-from benchtool.run import bundle_folder
-from benchtool.tables import PHASES, TableAnswer, TableQuestion, TextTable, analyze_table, quantity
+from benchtool.tables import PHASES, TableQuestion, analyze_table, quantity
 
 
 def _column(what: str) -> Any:
@@ -97,6 +95,9 @@ def analyze(
             "(1500rpm), which gives orders and periods without an angle.",
         ),
     ] = None,
+    ac: Annotated[
+        bool, typer.Option("--ac", help="With --csv: the current is that of a phase, whatever its name says.")
+    ] = False,
     pole_pairs: Annotated[
         int | None, typer.Option(min=1, metavar="P", help="With --csv: pole pairs of the motor.")
     ] = None,
@@ -140,6 +141,11 @@ def analyze(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="With --csv: write a run bundle of it.")
     ] = None,
+    note: options.Note = "",
+    operator: options.Operator = "",
+    serial_number: options.SerialNumber = "",
+    temperature: options.Temperature = None,
+    instrument: options.InstrumentsBeside = None,
     report: Annotated[
         bool, typer.Option("--report", help="With --csv: write the bundle, and a report in it.")
     ] = False,
@@ -178,8 +184,11 @@ def analyze(
             decimal,
             recorded_on,
             out,
+            temperature,
+            instrument,
         )
-        of_table = report or any(each is not None for each in given)
+        stated = (report, ac, note, operator, serial_number)
+        of_table = any(stated) or any(each is not None for each in given)
         return _analyze_run(run, chosen.selection(stream, from_, to, analysis), as_json, of_table)
     if stream or analysis:
         raise UsageError("--csv with --stream or --analysis: these choose of a recording, leave them out")
@@ -191,27 +200,32 @@ def analyze(
     omega_m_rad_s = None if speed is None else quantity(speed, "rad/s")
     if omega_m_rad_s is not None:
         speed = None
-    _require_time(csv, time, rate, decimal or "")
+    require_time(csv, time, rate, decimal or "")
     if current is None and torque is None and speed is None:
         missing = "--current, --torque and --speed"
         raise UsageError(
             f"--csv without {missing}: name the column of a current, torque or speed"
-            f"{_columns_of(csv, decimal or '')}"
+            f"{columns_of(csv, decimal or '')}"
         )
     if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
         raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
     turning = None if angle is None and omega_m_rad_s is None else "--angle"
     # what begins like a number may be meant as a constant speed, and is told how that is written
     has_speed = speed is not None and (current is not None or bool(re.match(r"[+-]?\.?[0-9]", speed)))
+    by_pairs = "--angle, a stated speed (--speed 1500rpm), or a current beside the speed"
     for option, without in (
-        ("--pole-pairs", pole_pairs is not None and turning is None and not has_speed and "--angle"),
+        ("--pole-pairs", pole_pairs is not None and turning is None and not has_speed and by_pairs),
         ("--slots", slots is not None and turning is None and "--angle"),
+        ("--ac", ac and current is None and "--current"),
         ("--rated-torque", rated_torque is not None and torque is None and "--torque"),
     ):
         if without:
             raise UsageError(f"{option} without {without}: name that column too, or leave {option} out")
     if from_ is not None and to is not None and from_ > to:
         raise UsageError(f"--from {from_:g} is after --to {to:g}: give the earlier first")
+    circumstances = conditions(operator, serial_number, temperature, instrument or ())
+    if (note or circumstances != Conditions()) and out is None and not report:
+        raise UsageError("a note or conditions without --out or --report: nothing would keep them, add one")
     currents = current or []
     if len(currents) not in (0, 1, len(PHASES)):
         raise UsageError(
@@ -226,21 +240,22 @@ def analyze(
             columns={what: name for what, name in columns.items() if name is not None},
             pole_pairs=pole_pairs,
             slots=slots,
+            is_of_phase=ac or len(currents) == len(PHASES),
             torque_rated_Nm=rated_torque,
             from_s=-math.inf if from_ is None else from_,
             to_s=math.inf if to is None else to,
             rate_Hz=rate,
             omega_m_rad_s=None if angle is not None else omega_m_rad_s,
-            **_stated_sensors(bench),
+            **stated_sensors(bench),
             recorded_on=None if recorded_on is None else recorded_on.date(),
             decimal=decimal or "",
         )
     )
     output = Output(as_json=as_json)
-    _show(output, answer)
+    show_table(output, answer)
     document = {"verdict": "none", "cases": {"csv": answer.to_json()}}
     if out is not None or report:
-        document |= _keep(output, answer, out, with_report=report)
+        document |= keep_table(output, answer, out, with_report=report, note=note, conditions=circumstances)
     output.document(document)
     return 0
 
@@ -268,53 +283,6 @@ def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
         output.line("")
     output.document({"analyses": {each.name: each.to_json() for each in catalogue().analyses}})
     return 0
-
-
-def _stated_sensors(bench: str | None) -> dict[str, Any]:
-    """Return `[bench]` of a file, and what else it may state than columns."""
-    if bench is None:
-        return {}
-    from benchtool.protocol.dictionary import sensed_units_of  # which needs the drive's dictionary
-
-    return {"bench": load_bench(bench), "signals": sensed_units_of(bench)}
-
-
-def _columns_of(csv: Path, decimal: str) -> str:
-    """Return the columns to choose from, or nothing where the table cannot be read."""
-    try:
-        return f" ({TextTable.open(csv, decimal, timed=False).listed})"
-    except RecordingError:
-        return ""
-
-
-def _require_time(csv: Path, time: str | None, rate: float | None, decimal: str) -> None:
-    if time is None and rate is None:
-        raise UsageError(
-            f"--csv without --time: name the column of the time, or state --rate in Hz"
-            f"{_columns_of(csv, decimal)}"
-        )
-    if time is not None and rate is not None:
-        raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
-    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
-        raise UsageError(f"--rate is {rate:g}, rows per second above zero are expected")
-
-
-def _keep(output: Output, answer: TableAnswer, out: Path | None, *, with_report: bool) -> dict[str, str]:
-    """Write the bundle, and the report in it; return their paths."""
-    from benchtool.report.assembly import keep  # draws in matplotlib, which numbers do not need
-
-    when = options.wall_time()
-    with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
-        bundle = keep(answer, folder, when.isoformat(timespec="seconds"), sys.argv[1:])
-        output.line(f"bundle: {folder}")
-        if not with_report:
-            return {"bundle": str(folder)}
-        from benchtool.cli.report import write_report
-        from benchtool.report.assembly import table_report
-
-        page, _ = write_report(table_report(bundle), folder / "report.html", pdf=False, output=output)
-        enlist(folder, [page])
-        return {"bundle": str(folder), "report": str(page)}
 
 
 def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_options: bool) -> int:
@@ -364,43 +332,3 @@ def _assessed(bundle: Bundle, selection: Selection) -> tuple[Assessment, ...]:
     if selection.everything and is_table(bundle):
         return (assess_table(bundle),)
     return assess_recording(bundle, selection)
-
-
-def _show(output: Output, answer: TableAnswer) -> None:
-    """Print measurements, reasons for undefined ones, and what was read."""
-
-    rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
-    output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
-    for reason, names in undefined(answer.measurements).items():
-        output.sentence(f"undefined: {', '.join(names)}: {reason}")
-    for reason, names in without_uncertainty(answer.measurements).items():
-        output.sentence(f"without ±: {named(names)}: {reason}", "dim")
-    for text in sensor_remarks(answer.measurements):
-        output.sentence(text, "dim")
-    for remark in answer.remarks:
-        output.line(f"warning: {remark.text}", "yellow")
-    output.line(_read(answer.source))
-    output.line(_timed(answer.source["time"]))
-
-
-def _read(source: Mapping[str, Any]) -> str:
-    dropped = "".join(f", {count} left out ({why})" for why, count in source["rows_dropped"].items())
-    columns = "; ".join(_column_read(what, each) for what, each in source["columns"].items())
-    return f"read: {source['rows_read']} rows{dropped}, {source['rows_used']} used; {columns}"
-
-
-def _column_read(what: str, column: Mapping[str, Any]) -> str:
-    name = f" '{column['name']}'" if column["name"] else ""
-    assumed = " (assumed)" if column["unit_from"] == "assumed" else ""
-    scaled = "" if column["gain"] == 1.0 else f" x {column['gain']:g}"
-    scaled += f" {column['offset']:+g} {column['unit']}" if column["offset"] else ""
-    return f"{what} from column {column['number']}{name}{scaled} in {column['unit']}{assumed}"
-
-
-def _timed(time: Mapping[str, Any]) -> str:
-    if time["uniform"]:
-        untold = "" if time["gaps"] is not None else "; whether rows are missing is unknown"
-        if time["jitter_s"] is None:
-            return f"time: even, at the stated {time['rate_Hz']:.7g} Hz{untold}"
-        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
-    return f"time: not even, {time['why_not']}"

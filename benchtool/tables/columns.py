@@ -49,7 +49,8 @@ class TableQuestion:
     `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are, and
     the clock that timed the rows; it may state those of `signals` of a drive, by their units, which are no
     columns. `recorded_on` is the day of that, without which it is that of the file's
-    last change. `decimal` is the decimal sign, where the numbers leave it open.
+    last change. `decimal` is the decimal sign, where the numbers leave it open. The current
+    `is_of_phase` whatever its name says.
     """
 
     file: Path
@@ -66,6 +67,7 @@ class TableQuestion:
     signals: Mapping[str, str] = field(default_factory=dict)
     recorded_on: date | None = None
     decimal: str = ""
+    is_of_phase: bool = False
 
     @property
     def asked(self) -> dict[str, str]:

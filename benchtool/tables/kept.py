@@ -39,6 +39,7 @@ class KeptTable(Section):
     torque_rated_Nm: float | None = None
     rate_Hz: float | None = None
     omega_m_rad_s: float | None = None
+    is_of_phase: bool = False
     joined: str = ""
     lost: KeptLoss = defaults(KeptLoss)
     bench: Bench = defaults(Bench)
@@ -54,6 +55,7 @@ class KeptTable(Section):
             torque_rated_Nm=question.torque_rated_Nm,
             rate_Hz=question.rate_Hz,
             omega_m_rad_s=question.omega_m_rad_s,
+            is_of_phase=question.is_of_phase,
             joined=joined,
             lost=KeptLoss(
                 left_out=dict(lost.left_out), within=lost.within, reasons=dict(lost.reasons), first=lost.first
@@ -100,6 +102,7 @@ class KeptTable(Section):
             torque_rated_Nm=self.torque_rated_Nm,
             rate_Hz=self.rate_Hz,
             omega_m_rad_s=self.omega_m_rad_s,
+            is_of_phase=self.is_of_phase,
             bench=self.bench,
         )
         lost = Lost(self.lost.left_out, self.lost.within, self.lost.reasons, self.lost.first)

@@ -44,9 +44,10 @@ class Periods:
             AnalysisError: the current is not a phase current, or neither angle nor current defines periods.
         """
         name = self.record.channels["current"].name
-        if _ROTATING_FRAME.search(name):
+        if not self.record.question.is_of_phase and _ROTATING_FRAME.search(name):
             raise AnalysisError(
-                f"'{name}' is by its name a current in rotating coordinates, which has no fundamental"
+                f"'{name}' is by its name a current in rotating coordinates, which has no fundamental: if it "
+                f"is that of a phase all the same, state --ac"
             )
         track = self._of_angle()
         if track is not None and (reason := self._contradiction(track)):

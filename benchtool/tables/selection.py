@@ -24,11 +24,12 @@ from benchtool.tables.units import (
     units_of,
 )
 
-_SPEED = "rad/s"
+_SPEED, _TORQUE = "rad/s", "Nm"
 _FACTOR = re.compile(
     r"(?<![A-Za-z0-9])[xX]\s*(?:10+(?!\d)|0\.\d+)|[×*·]\s*(?:10+(?!\d)|0\.\d+)|(?<!\d)10+\s*[xX×*](?![A-Za-z0-9])"
     r"|10\^[+-]?\d+|(?<![\w.])1[eE][+-]?\d+(?!\w)"
 )
+_SCALED = re.compile(r"(?P<name>[^*+]+?)\s*(?P<by>[*+-].+)")
 _OF_AN_ANGLE = re.compile(r"omega|ω|^w([_\s(\[]|$)|angular|winkelgeschw|kreisfreq", re.IGNORECASE)
 
 
@@ -64,9 +65,12 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
         number, stated = _find(path, layout, name), scaling(behind, si_unit)
         wanted = name
     if number is None:
-        constant = speed_hint(wanted) if si_unit == _SPEED else ""
+        hint = speed_hint(wanted) if si_unit == _SPEED else ""
+        scaled = _SCALED.fullmatch(wanted)
+        if not hint and scaled is not None and _find(path, layout, scaled["name"]) is not None:
+            hint = f"; gain and offset follow a unit, as '{scaled['name']}:{si_unit}{scaled['by']}'"
         raise AnalysisError(
-            f"{path} has no column '{wanted}', {listed(layout)}: give a name or a number{constant}"
+            f"{path} has no column '{wanted}', {listed(layout)}: give a name or a number{hint}"
         )
     column = layout.columns[number].called(wanted)
     asked = stated.unit or si_unit
@@ -105,11 +109,13 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"as '{wanted}:{si_unit}*0.01'"
         )
     if factor is None:
+        is_percent = si_unit == _TORQUE and unit.lower() in PERCENT
+        of_rated = "; of percent state what 100 % is, as --rated-torque 2" if is_percent else ""
         by = "which its head states" if unit_from == "head" else "as given"
         raise AnalysisError(
             f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
             f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
-            f"one step is another size, as '{wanted}:{si_unit}*0.01'"
+            f"one step is another size, as '{wanted}:{si_unit}*0.01'{of_rated}"
         )
     if not stated.unit and (match := _FACTOR.search(column.name)):
         raise AnalysisError(

@@ -15,7 +15,7 @@ from benchtool.analysis import (
     tables_to_json,
 )
 from benchtool.block import Block, Channel
-from benchtool.recording import Bundle, BundleWriter, Manifest, hash_of, software_versions
+from benchtool.recording import Bundle, BundleWriter, Conditions, Manifest, hash_of, software_versions
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, fingerprint
 from benchtool.report.content import Item, Picture, Report, Section, Signatures, Text
@@ -26,7 +26,15 @@ from benchtool.results import TABLE
 from benchtool.tables import TableAnswer
 
 
-def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[str]) -> Bundle:
+def keep(
+    answer: TableAnswer,
+    folder: Path,
+    when: str,
+    command_line: Sequence[str],
+    *,
+    note: str = "",
+    conditions: Conditions | None = None,
+) -> Bundle:
     """Write the rows that were used, in SI units, with measurements and tables, as a bundle of its own.
 
     The time is a column of the stream `table`; where it is not even the rows are numbered a median step
@@ -44,6 +52,8 @@ def keep(answer: TableAnswer, folder: Path, when: str, command_line: Sequence[st
         when=when,
         versions=software_versions(),
         command_line=tuple(command_line),
+        note=note,
+        conditions=conditions or Conditions(),
         details={
             "source": dict(answer.source) | {"hash": hashed.model_dump()},
             "remarks": [each.to_json() for each in answer.remarks],

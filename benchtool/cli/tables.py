@@ -1,0 +1,127 @@
+"""Tables of other tools, as `benchtool analyze --csv` takes and tells them."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from benchtool.analysis import sensor_remarks, undefined, without_uncertainty
+from benchtool.cli import options
+from benchtool.cli.fitting import named
+from benchtool.cli.output import Output
+from benchtool.cli.results import measured
+from benchtool.errors import RecordingError, UsageError
+from benchtool.profile import load_bench
+from benchtool.recording import Conditions, enlist
+from benchtool.run import bundle_folder
+from benchtool.tables import TableAnswer, TextTable
+
+
+def stated_sensors(bench: str | None) -> dict[str, Any]:
+    """Return `[bench]` of a file, and what else it may state than columns."""
+    if bench is None:
+        return {}
+    from benchtool.protocol.dictionary import sensed_units_of  # which needs the drive's dictionary
+
+    return {"bench": load_bench(bench), "signals": sensed_units_of(bench)}
+
+
+def columns_of(csv: Path, decimal: str) -> str:
+    """Return the columns to choose from, or nothing where the table cannot be read."""
+    try:
+        return f" ({TextTable.open(csv, decimal, timed=False).listed})"
+    except RecordingError:
+        return ""
+
+
+def require_time(csv: Path, time: str | None, rate: float | None, decimal: str) -> None:
+    """Refuse a table without a time or a rate, or with both.
+
+    Raises:
+        UsageError: one of the two is expected.
+    """
+    if time is None and rate is None:
+        raise UsageError(
+            f"--csv without --time: name the column of the time, or state --rate in Hz"
+            f"{columns_of(csv, decimal)}"
+        )
+    if time is not None and rate is not None:
+        raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise UsageError(f"--rate is {rate:g}, rows per second above zero are expected")
+
+
+def keep_table(
+    output: Output,
+    answer: TableAnswer,
+    out: Path | None,
+    *,
+    with_report: bool,
+    note: str,
+    conditions: Conditions,
+) -> dict[str, str]:
+    """Write the bundle with what the operator states, and the report in it; return their paths."""
+    from benchtool.report.assembly import keep  # draws in matplotlib, which numbers do not need
+
+    when = options.wall_time()
+    with bundle_folder(out, when, f"table-{answer.record.question.file.stem}") as folder:
+        bundle = keep(
+            answer,
+            folder,
+            when.isoformat(timespec="seconds"),
+            sys.argv[1:],
+            note=note,
+            conditions=conditions,
+        )
+        output.line(f"bundle: {folder}")
+        if not with_report:
+            return {"bundle": str(folder)}
+        from benchtool.cli.report import write_report
+        from benchtool.report.assembly import table_report
+
+        page, _ = write_report(table_report(bundle), folder / "report.html", pdf=False, output=output)
+        enlist(folder, [page])
+        return {"bundle": str(folder), "report": str(page)}
+
+
+def show_table(output: Output, answer: TableAnswer) -> None:
+    """Print measurements, reasons for undefined ones, and what was read."""
+
+    rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
+    output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
+    for reason, names in undefined(answer.measurements).items():
+        output.sentence(f"undefined: {', '.join(names)}: {reason}")
+    for reason, names in without_uncertainty(answer.measurements).items():
+        output.sentence(f"without ±: {named(names)}: {reason}", "dim")
+    for text in sensor_remarks(answer.measurements):
+        output.sentence(text, "dim")
+    for remark in answer.remarks:
+        output.line(f"warning: {remark.text}", "yellow")
+    output.line(_read(answer.source))
+    output.line(_timed(answer.source["time"]))
+
+
+def _read(source: Mapping[str, Any]) -> str:
+    dropped = "".join(f", {count} left out ({why})" for why, count in source["rows_dropped"].items())
+    columns = "; ".join(_column_read(what, each) for what, each in source["columns"].items())
+    return f"read: {source['rows_read']} rows{dropped}, {source['rows_used']} used; {columns}"
+
+
+def _column_read(what: str, column: Mapping[str, Any]) -> str:
+    name = f" '{column['name']}'" if column["name"] else ""
+    assumed = " (assumed)" if column["unit_from"] == "assumed" else ""
+    scaled = "" if column["gain"] == 1.0 else f" x {column['gain']:g}"
+    scaled += f" {column['offset']:+g} {column['unit']}" if column["offset"] else ""
+    return f"{what} from column {column['number']}{name}{scaled} in {column['unit']}{assumed}"
+
+
+def _timed(time: Mapping[str, Any]) -> str:
+    if time["uniform"]:
+        untold = "" if time["gaps"] is not None else "; whether rows are missing is unknown"
+        if time["jitter_s"] is None:
+            return f"time: even, at the stated {time['rate_Hz']:.7g} Hz{untold}"
+        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
+    return f"time: not even, {time['why_not']}"
