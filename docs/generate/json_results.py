@@ -81,8 +81,8 @@ class Uncertainty(Document):
 class Basis(Document):
     """What a measurement rests on; what does not apply is left out."""
 
-    samples: int | None = None
-    """Samples used; in whole periods the nearest number."""
+    samples: float | None = None
+    """Samples used, a whole number: of whole periods the nearest."""
     sample_rate_Hz: float | None = None
     """Their rate."""
     duration_s: float | None = None
@@ -113,6 +113,8 @@ class Basis(Document):
     """How long after a step the samples count; compared likewise."""
     angle_Hz: float | None = None
     """Electrical frequency by the rotor angle, where the phase of the signal gave another."""
+    flat_crest: float | None = None
+    """Share of a period for which a current is level at its crest, if it is."""
     alignment_s: float | None = None
     """Standard uncertainty with which samples of another clock stand at the drive's ticks."""
 

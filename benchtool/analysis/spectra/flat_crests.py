@@ -24,7 +24,7 @@ _FEWEST_PERIODS = 3.0
 _AT_THE_CREST = 0.025  # of a period to either side of the greatest
 _LEVEL = 4.0  # standard uncertainties of the mean at a place, over some of which a level crest stays
 _SHORTEST = 0.05  # of a period: a shorter one is not told from a round one
-_BEYOND, _FALLS = 0.25, 5.0  # of half of what is level; times its tolerance: a round crest falls by 2.4 there
+_BEYOND, _FALLS = 0.25, 5.0  # of half of the stretch; times its tolerance: a round crest falls by 2.4
 _PASSES = 3
 
 
