@@ -86,7 +86,8 @@ class Bundle:
 
     @property
     def verdict(self) -> str:
-        """How the plan's limits were met; `none` of a recording without."""
+        """How the plan's limits were met; `none` of a recording without, and of one repetition that meets its
+        own where others hold for all repetitions together."""
         return self.manifest.verdict or "none"
 
     @property

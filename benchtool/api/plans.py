@@ -81,7 +81,7 @@ class CaseResult(Results):
 
     @property
     def verdict(self) -> Verdict:
-        """How the limits were met."""
+        """How its limits were met; `none` where these are, and others hold for its repetitions together."""
         return self.assessment.verdict
 
     @property
@@ -117,7 +117,7 @@ class PlanResult(Named["CaseResult"]):
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of all cases."""
+        """The worst of all cases, and of their repetitions together."""
         return self.result.verdict
 
     @property
