@@ -69,9 +69,9 @@ def _others(block: Block) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
 def _csv(path: Path, stream: str, block: Block, bundle: Bundle) -> None:
     """Write one header line, `name [unit]`, and numbers as the shortest decimals that read back to the same
     bits."""
-    table = [("tick", "", block.ticks()), ("time_s", "s", _time_s(block)), *_others(block)]
-    names = [f"{name} [{unit}]" if unit else name for name, unit, _ in table]
-    columns = [number_array(values) for _, _, values in table]
+    numbers = [("time_s", "s", _time_s(block)), *_others(block)]
+    names = ["tick", *(f"{name} [{unit}]" if unit else name for name, unit, _ in numbers)]
+    columns = [number_array(block.ticks()), *(number_array(values) for _, _, values in numbers)]
     with path.open("wb") as file:
         file.write((",".join(names) + "\n").encode())
         options = csv.WriteOptions(include_header=False)

@@ -42,8 +42,8 @@ def bench_of_columns(columns: TableColumns, record: Record) -> Bench:
 
 
 def _faults(columns: TableColumns, record: Record) -> Iterator[tuple[str, str]]:
-    """Yield the sensors of names that are no channels, those that state errors which their column cannot have,
-    and second ones of a column, each by the name that is stated."""
+    """Yield the sensors of unknown channels, those that state errors which their column cannot have, and
+    second ones of a column, each by the name that is stated."""
     question, stated = record.question, record.question.bench.channels
     measured = [channel.name for channel in record.channels.values()]
     columns_of_table = {name for each in columns.table.layout.columns for name in _names(each)}
