@@ -127,7 +127,7 @@ SECTIONS: Final = (
         "What a plan asks for, what a run does, and how a recording is kept (`benchtool.plan`, "
         "`benchtool.run`, `benchtool.recording`).",
         """
-        0009 0027 0087 0111 0155 0131
+        0009 0027 0087 0111 0155 0131 0521
         0030 0031 0080 0145 0078
         """,
     ),
@@ -137,7 +137,7 @@ SECTIONS: Final = (
         "and repeated rows (`benchtool.tables`).",
         """
         0041 0300 0214 0374 0393 0213 0338 0457
-        0068 0368 0257 0235 0337 0356 0217
+        0068 0368 0257 0235 0337 0356 0217 0520
         """,
     ),
     Section(
@@ -185,7 +185,7 @@ SECTIONS: Final = (
         "What quantisation does to a number, and how its step is found (`benchtool.analysis.quantisation`).",
         """
         0046 0076 0222 0279 0282 0291 0249 0378 0239 0371 0465
-        0345 0342 0331 0181 0339 0365 0377 0409 0475 0427 0468 0505
+        0345 0342 0331 0181 0339 0365 0377 0409 0475 0427 0468 0505 0394 0485
         """,
     ),
     Section(
@@ -222,7 +222,6 @@ SECTIONS: Final = (
         """
         0044 0147 0159 0188 0158 0446 0278 0273 0318 0272
         0411 0412 0414 0276 0396 0449 0464 0469 0478 0319 0202 0233 0244 0504
-        0394 0485
         """,
     ),
     Section(
