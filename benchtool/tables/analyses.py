@@ -15,6 +15,7 @@ from benchtool.analysis import (
     Table,
     count_of,
     held_rows,
+    raw,
     record_basis,
     require_signal,
     ripple_of_rows,
@@ -208,7 +209,7 @@ def _held(record: Record, what: str) -> str:
     rate_Hz = record.base.rate_Hz
     return (
         f"each value is held for {held:.3g} rows, the {'current' if what in PHASES else what} was sampled at "
-        f"about {rate_Hz / held:.4g} Hz and not at {rate_Hz:.4g} Hz: export each once"
+        f"about {raw(rate_Hz / held, 4)} Hz and not at {raw(rate_Hz, 4)} Hz: export each once"
     )
 
 

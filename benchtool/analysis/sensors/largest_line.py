@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.sensors.lag import Lag
 from benchtool.analysis.sensors.waveform import Waveform
 
@@ -38,5 +39,5 @@ def may_be_another(each: Measurement, lag: Lag, waveform: Waveform) -> str:
     for response in lag.responses:
         for at_Hz, size in others:
             if size * response.enlarges(at_Hz) >= own * response.enlarges(own_Hz):
-                return f"the line at {at_Hz:.5g} Hz may be the largest before the sensor"
+                return f"the line at {raw(at_Hz, 5)} Hz may be the largest before the sensor"
     return ""

@@ -164,7 +164,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     y, r = sign * y, sign * r
     r, greatest, greatest_error, r_errors = _without_noise(r, row, r_noise)
     before = float(r[0])
-    _require_one_step(r, before, greatest, reference, unit)
+    _require_one_step(sign, r, before, greatest, reference, unit)
     begin, zero = _begin(r, row, r_noise.rms)
     earlier = _earlier(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
     held_rows, first = even_hold(y)
@@ -301,8 +301,9 @@ def _begin(r: Floats, row: int, noise: float) -> tuple[int, float]:
     return begin, row - 1 - begin + short / float(r[row] - r[row - 1])
 
 
-def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit: str) -> None:
-    """Refuse staircases, square waves and doublets: numbers of a step mean nothing there."""
+def _require_one_step(sign: float, r: Floats, before: float, greatest: float, name: str, unit: str) -> None:
+    """Refuse staircases, square waves and doublets: numbers of a step mean nothing there. The reference `r`
+    is times `sign`, so that it rises."""
     if not greatest > before:
         raise AnalysisError(
             f"'{name}' has no step that stands out of its own noise, one is needed: record across it"
@@ -325,8 +326,9 @@ def _require_one_step(r: Floats, before: float, greatest: float, name: str, unit
     end = int(np.argmax(way >= _WAY[1]))
     if (landing := _landing(way[begin + 1 : end])) is not None:
         raise AnalysisError(
-            f"'{name}' rests near {before + landing * (greatest - before):.4g} {unit} on its way to "
-            f"{greatest:.4g} {unit}, a single step is needed: record each step of a staircase by itself"
+            f"'{name}' rests near {sign * (before + landing * (greatest - before)):.4g} {unit} on its way to "
+            f"{sign * greatest:.4g} {unit}, a single step is needed: record each step of a staircase by "
+            f"itself"
         )
 
 
@@ -340,4 +342,7 @@ def _landing(way: Floats) -> float | None:
     above = len(ordered) - np.arange(len(ordered)) - within
     left = _WAY[1] - ordered - _LANDING
     rests = (within > _DWELL * len(way)) & (left * within > _FASTER * _LANDING * above) & (left >= _LANDING)
-    return float(ordered[np.argmax(within * rests)] + 0.5 * _LANDING) if np.any(rests) else None
+    if not np.any(rests):
+        return None
+    first = int(np.argmax(within * rests))
+    return float(np.median(ordered[first : first + int(within[first])]))

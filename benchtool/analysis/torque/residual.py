@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError, error_of_record, error_of_root
 from benchtool.analysis.uncertainty import combined
@@ -162,7 +163,7 @@ def _of_transducer(
     rows = min(len(modelled_Nm), len(torque_Nm) // max(1, each) - 1)
     what = "modelled torque, of both ends of a period, minus torque_transducer, of all its rows in the period"
     if each < 1 or not math.isclose(each * block.sample_rate_Hz, transducer.sample_rate_Hz) or rows < 2:
-        reason = f"{transducer.sample_rate_Hz:g} Hz is no multiple of {block.sample_rate_Hz:g} Hz"
+        reason = f"{raw(transducer.sample_rate_Hz)} Hz is no multiple of {raw(block.sample_rate_Hz)} Hz"
         yield Measurement.undefined("transducer_torque_residual_mean", "Nm", what, reason, basis)
         return
     true_Nm = np.mean(torque_Nm[each : (rows + 1) * each].reshape(rows, each), axis=1)

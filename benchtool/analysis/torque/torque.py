@@ -11,6 +11,7 @@ from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.drawings import STEADY, TORQUE, WAVEFORMS
 from benchtool.analysis.measurement import Measurement
+from benchtool.analysis.numbers import raw
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
@@ -90,7 +91,7 @@ def transducer_torque(
         uncertain = combined(parts, "those of both means, taken as independent")
     text = f"mean of the drive's estimate torque minus mean of {what}"
     error_Nm = estimate.value - mean.value
-    reference = f"torque_transducer, {len(inside.data)} samples at {inside.sample_rate_Hz:g} Hz"
+    reference = f"torque_transducer, {len(inside.data)} samples at {raw(inside.sample_rate_Hz)} Hz"
     basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
     why = "" if uncertain is not None else estimate.uncertainty_reason or mean.uncertainty_reason
     error = Measurement(

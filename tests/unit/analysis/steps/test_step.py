@@ -283,10 +283,10 @@ def test_a_signal_in_another_unit_than_its_reference_is_refused() -> None:
 @pytest.mark.parametrize(
     ("levels", "what"),
     [
-        ([0.0, 1.0, 2.0, 3.0], "rests near"),
-        ([0.0, 2.0, 3.0], "rests near"),
-        ([0.0, 10.0, 10.8], "rests near"),
-        ([0.0, 0.4, 10.4], "rests near"),
+        ([0.0, 1.0, 2.0, 3.0], "rests near -?1 Nm on its way to -?3 Nm"),
+        ([0.0, 2.0, 3.0], "rests near -?2 Nm"),
+        ([0.0, 10.0, 10.8], "rests near -?10 Nm"),
+        ([0.0, 0.4, 10.4], "rests near -?0.4 Nm"),
         ([0.0, 1.0, 0.0, 1.0], "rises 2 times"),
         ([0.0, 1.0, -1.0], "the other"),
     ],
@@ -295,8 +295,9 @@ def test_a_signal_in_another_unit_than_its_reference_is_refused() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_more_than_one_step_is_refused(levels: list[float], what: str, sign: float) -> None:
     r = sign * np.repeat(levels, 200)
-    with pytest.raises(AnalysisError, match=what):
+    with pytest.raises(AnalysisError, match=what) as refused:
         analyze_step(_block(r + 1e-3 * np.sin(np.arange(len(r))), r), "torque", "torque_reference")
+    assert ("near -" in str(refused.value)) == (sign < 0.0 and "near" in what)
 
 
 @pytest.mark.parametrize("rows", [2, 3, 7, 30, 199, 400])
