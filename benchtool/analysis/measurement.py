@@ -248,6 +248,16 @@ class Table:
     uncertainty_reason: str = ""
     lines: tuple[LineColumn, ...] = ()
 
+    def without_uncertainty(self, reason: str) -> Table:
+        """Return it without the uncertainties of its measurements, for a reason."""
+        names = {each.uncertainty for each in self.lines}
+        unknown = [name in names for name, _ in self.columns]
+        rows = tuple(
+            tuple(math.nan if none else value for value, none in zip(row, unknown, strict=True))
+            for row in self.rows
+        )
+        return replace(self, rows=rows, uncertainty_reason=reason)
+
     def _repr_html_(self) -> str:
         columns = [f">{name} in {unit}" if unit else f">{name}" for name, unit in self.columns]
         rows = [[number(value) for value in row] for row in self.rows]

@@ -39,7 +39,9 @@ from benchtool.analysis.orders.orders_of_machine import MACHINE_ORDERS, machine_
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.orders.wobble_source import WobbleSource, source_of_wobble
 from benchtool.analysis.periods import track_angle
+from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Sensitivities
+from benchtool.analysis.spectra.flat_crests import crest_is_flat, flat_crest, with_flat_crest
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_unclipped
 from benchtool.analysis.window import Window
@@ -78,6 +80,13 @@ class Orders:
     pole_pairs: int | None = None
     slots: int | None = None
 
+    def with_flat_crest(self, share: float) -> Orders:
+        """Return those of a current that is level at its crests for this share of a period."""
+        measurements = tuple(with_flat_crest(each, share) for each in self.measurements)
+        reason = crest_is_flat(share)
+        tables = tuple(each.without_uncertainty(reason) for each in self.tables)
+        return replace(self, measurements=measurements, tables=tables)
+
 
 def order_analysis(
     block: Block,
@@ -115,7 +124,13 @@ def order_analysis(
     """
     require_unclipped(block.column(channel), channel, block.unit(channel))
     name = name or named_after(channel)
-    return describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
+    found = describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
+    share = 0.0
+    if pole_pairs is not None and block.unit(channel) == "A":
+        samples = np.ascontiguousarray(block.column(channel))
+        turns = pole_pairs * np.unwrap(block.column(angle)) / (2.0 * np.pi)
+        share = flat_crest(samples, turns, resolution(samples))
+    return found.with_flat_crest(share) if share else found
 
 
 def _spectrum(block: Block, channel: str, angle: str, known: Revolutions | None) -> OrderSpectrum:

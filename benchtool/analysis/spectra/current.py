@@ -161,7 +161,7 @@ def current_spectrum(
     if not why and (share := flat_crest(samples, found.turns, step)):
         why = crest_is_flat(share)
         numbers = (numbers[0], *(with_flat_crest(each, share) for each in numbers[1:]))
-    tables = [_without_uncertainty(table, why) if why else table]
+    tables = [table.without_uncertainty(why) if why else table]
     if groups is not None:
         of_groups = group_basis(found.coherent, groups, basis)
         tables.append(group_table(groups, "current_groups", unit, of_groups))
@@ -191,12 +191,6 @@ def _errors(
         with_trend,
     )
     return replace(errors, beside=found.close.standard[:highest])
-
-
-def _without_uncertainty(table: Table, reason: str) -> Table:
-    """Return the harmonics as measured, but without uncertainty."""
-    rows = tuple((*row[:-1], math.nan) for row in table.rows)
-    return replace(table, definition=f"{table.definition}; unknown here: {reason}", rows=rows)
 
 
 def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:

@@ -34,6 +34,7 @@ from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
 from benchtool.analysis.spectra.current import current_of
+from benchtool.analysis.spectra.flat_crests import flat_crest, with_flat_crest
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED, PeriodsInTime
 from benchtool.analysis.spectra.moving_tones import Course
@@ -197,7 +198,8 @@ def current_unbalance(
     if abs(np.mean(rotating[0])) < abs(np.mean(rotating[1])):
         # in reverse rotation positive and negative sequence change places
         rotating = rotating[[1, 0, 2]]
-    in_time = PeriodsInTime.of(first, track.turns_from(FIRST_ROW), FIRST_ROW)
+    turns = track.turns_from(FIRST_ROW)
+    in_time = PeriodsInTime.of(first, turns, FIRST_ROW)
     sequences = [_Sequence(each, first.periods, in_time) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
@@ -221,7 +223,10 @@ def current_unbalance(
     )
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
-    return tuple(_numbers(components, beside, channels, block.unit(channels[0]), basis, reason))
+    numbers = _numbers(components, beside, channels, block.unit(channels[0]), basis, reason)
+    if share := max(flat_crest(each, turns, resolution(each)) for each in columns):
+        return tuple(with_flat_crest(each, share) for each in numbers)
+    return tuple(numbers)
 
 
 def _course(sequence: _Sequence) -> Phasors:

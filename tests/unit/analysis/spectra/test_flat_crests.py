@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import current_spectrum, signal_remarks, track_angle
+from benchtool.analysis import (
+    current_spectrum,
+    current_unbalance,
+    order_analysis,
+    signal_remarks,
+    track_angle,
+)
 from benchtool.analysis.spectra.flat_crests import flat_crest
 from benchtool.block import Block
 
@@ -93,3 +99,24 @@ def test_numbers_of_a_clipped_current_have_no_uncertainty_and_a_remark(clip: flo
         assert ("clipped before noise" in numbers[name].uncertainty_reason) == is_clipped
     assert numbers["fundamental_frequency"].uncertainty is not None
     assert math.isnan(spectrum.tables[0].rows[0][-1]) == is_clipped
+    assert ("clipped" in spectrum.tables[0].uncertainty_reason) == is_clipped
+
+
+def test_components_and_orders_of_a_clipped_current_have_none_either_and_those_of_a_torque_have() -> None:
+    random = np.random.default_rng(5)
+    theta = angle(random)
+    columns = {
+        name: 5.0 * np.clip(harmonics(theta - turn), -0.93, 0.93) + 1e-2 * random.standard_normal(COUNT)
+        for name, turn in (("i_a", 0.0), ("i_b", 2 * np.pi / 3), ("i_c", -2 * np.pi / 3))
+    }
+    theta_m = np.mod(theta / POLE_PAIRS, 2 * np.pi)
+    units = {**dict.fromkeys(columns, "A"), "torque": "Nm", "theta_m": "rad"}
+    block = Block.from_arrays(RATE_HZ, units, **columns, torque=columns["i_a"], theta_m=theta_m)
+    track = track_angle(theta_m, POLE_PAIRS)
+    for each in current_unbalance(block, track):
+        assert each.uncertainty is None, each.name
+        assert "clipped before noise" in each.uncertainty_reason
+    of_current, of_torque = (order_analysis(block, name, pole_pairs=POLE_PAIRS) for name in ("i_a", "torque"))
+    assert all(each.uncertainty is None for each in of_current.measurements)
+    assert "clipped" in of_current.tables[0].uncertainty_reason
+    assert any(each.uncertainty is not None for each in of_torque.measurements)
