@@ -190,8 +190,8 @@ def analyze(
         stated = (report, ac, note, operator, serial_number)
         of_table = any(stated) or any(each is not None for each in given)
         return _analyze_run(run, chosen.selection(stream, from_, to, analysis), as_json, of_table)
-    if stream or analysis:
-        raise UsageError("--csv with --stream or --analysis: these choose of a recording, leave them out")
+    if stream:
+        raise UsageError("--csv with --stream: that chooses of a recording, leave it out")
 
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
@@ -201,7 +201,7 @@ def analyze(
     if omega_m_rad_s is not None:
         speed = None
     require_time(csv, time, rate, decimal or "")
-    if current is None and torque is None and speed is None:
+    if current is None and torque is None and speed is None and not analysis:
         missing = "--current, --torque and --speed"
         raise UsageError(
             f"--csv without {missing}: name the column of a current, torque or speed"
@@ -249,6 +249,7 @@ def analyze(
             **stated_sensors(bench),
             recorded_on=None if recorded_on is None else recorded_on.date(),
             decimal=decimal or "",
+            analyses=chosen.asked_of_table(analysis),
         )
     )
     output = Output(as_json=as_json)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -30,8 +30,8 @@ Asked = Annotated[
     typer.Option(
         "--analysis",
         metavar="NAME[:KEY=VALUE,...]",
-        help="Make this analysis too, as step:signal=omega_m,reference=omega_m_reference; NAME=false leaves "
-        "one out.",
+        help="Make this analysis too, as step:signal=omega_m,reference=omega_m_reference, with --csv of "
+        "columns, as step:signal=T,reference=2:Nm; NAME=false leaves one of a recording out.",
     ),
 ]
 
@@ -51,6 +51,19 @@ def selection(
         raise UsageError(f"--from {from_s:g} is not before --to {to_s:g}: give the earlier first")
     table = dict(_analysis(text) for text in asked or ())
     return Selection(stream, from_s, to_s, analyses_of(table) if table else EVERYTHING)
+
+
+def asked_of_table(asked: Sequence[str] | None) -> dict[str, Mapping[str, Any]]:
+    """Return the settings of each analysis that is asked of a table, by its name.
+
+    Raises:
+        UsageError: an option is misspelt, or leaves out what a table is not measured by anyway.
+    """
+    table = dict(_analysis(text) for text in asked or ())
+    for name, settings in table.items():
+        if settings is False:
+            raise UsageError(f"--csv with --analysis {name}=false: it is made where it is asked for alone")
+    return {name: settings if isinstance(settings, Mapping) else {} for name, settings in table.items()}
 
 
 def _analysis(text: str) -> tuple[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 from benchtool.analysis import Measurement, Table, measurements_to_json, tables_to_json
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
+from benchtool.tables.asked_analyses import with_analyses
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.columns import TableColumns, TableQuestion, read_columns
 from benchtool.tables.kept import KeptTable, measured, sensors_of
@@ -75,9 +76,9 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         AnalysisError: a column is missing, no rows are left, or a sensor is stated in another unit.
     """
     columns = read_columns(question)
-    record = Record(
-        columns.data, time_base_of(columns.data, columns.joined), columns.channels, question, columns.lost
-    ).unbroken
+    base = time_base_of(columns.data, columns.joined)
+    whole = Record(columns.data, base, columns.channels, question, columns.lost)
+    record = with_analyses(whole.unbroken, columns.analyses)
     bench = bench_of_columns(columns, record)
     measurements, tables = measured(record, sensors_of(record, bench))
     odd = (

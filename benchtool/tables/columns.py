@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from benchtool.analysis import count_of
 from benchtool.block import Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
+from benchtool.tables.asked_columns import with_their_columns
 from benchtool.tables.cells import Cell
 from benchtool.tables.clocks import Clock, read_clock
 from benchtool.tables.lost import Lost, lost_among
@@ -48,9 +50,9 @@ class TableQuestion:
     `omega_m_rad_s` is a constant mechanical speed, which stands in for an angle; torque in percent is that of
     `torque_rated_Nm`. `bench` states the sensors of columns by the names of these, or by what they are, and
     the clock that timed the rows; it may state those of `signals` of a drive, by their units, which are no
-    columns. `recorded_on` is the day of that, without which it is that of the file's
-    last change. `decimal` is the decimal sign, where the numbers leave it open. The current
-    `is_of_phase` whatever its name says.
+    columns. `recorded_on` is the day of that, without which it is that of the file's last change. `decimal`
+    is the decimal sign, where the numbers leave it open. The current `is_of_phase` whatever its name says.
+    `analyses` are asked for beside: their settings by name, channels as `TextTable.select` takes columns.
     """
 
     file: Path
@@ -68,6 +70,7 @@ class TableQuestion:
     recorded_on: date | None = None
     decimal: str = ""
     is_of_phase: bool = False
+    analyses: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def asked(self) -> dict[str, str]:
@@ -91,7 +94,8 @@ class TableColumns:
     `chosen` has the time first, if that is a column; `data`, shape (n, 1 + columns) and in SI units, has the
     time and then the columns in that order, and of the rows that were read those in the span that the
     question asks for. `lost` says what is missing among them, `clock` what the times say of theirs, and
-    `names_between` which lines of names are between rows that no column times.
+    `names_between` which lines of names are between rows that no column times. `analyses` are those that the
+    question asks for, with kinds of `chosen` in place of columns.
     """
 
     table: TextTable
@@ -101,6 +105,7 @@ class TableColumns:
     lost: Lost
     clock: Clock = field(default_factory=Clock)
     names_between: tuple[Names, ...] = ()
+    analyses: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def joined(self) -> str:
@@ -164,7 +169,7 @@ def read_columns(question: TableQuestion) -> TableColumns:
     """
     table = TextTable.open(question.file, question.decimal, timed=question.rate_Hz is None)
     _require_one_signal(table)
-    chosen = _choose(table, question)
+    chosen, analyses = with_their_columns(table, question.analyses, _choose(table, question))
     rows = _rows(table, list(chosen.values()))
     data, clock, between = rows.data, Clock(), names_between(table, rows)
     if "time" in chosen:
@@ -195,7 +200,8 @@ def read_columns(question: TableQuestion) -> TableColumns:
     lost = lost_among(rows, inside, in_span, kinds, table.first_left_out(rows, list(chosen.values())))
     if lost.within and _are_of_another_raster(rows, in_span, kinds, time_s[inside]):
         lost = Lost(lost.left_out, first=lost.first)
-    return TableColumns(table, chosen, rows, data if inside.all() else data[inside], lost, clock, between)
+    within = data if inside.all() else data[inside]
+    return TableColumns(table, chosen, rows, within, lost, clock, between, analyses)
 
 
 def _are_of_another_raster(

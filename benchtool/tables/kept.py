@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, ValidationError
 
-from benchtool.analysis import Instruments, Measurement, Table
+from benchtool.analysis import Instruments, Measurement, Perturbed, Table
 from benchtool.block import Block, Channel
 from benchtool.document import Section, defaults, explain
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
+from benchtool.tables.asked_analyses import asked_again, asked_findings
 from benchtool.tables.columns import TableQuestion
 from benchtool.tables.lost import Lost
 from benchtool.tables.record import Record, time_base_of
@@ -40,6 +42,7 @@ class KeptTable(Section):
     rate_Hz: float | None = None
     omega_m_rad_s: float | None = None
     is_of_phase: bool = False
+    analyses: dict[str, dict[str, Any]] = Field(default_factory=dict)
     joined: str = ""
     lost: KeptLoss = defaults(KeptLoss)
     bench: Bench = defaults(Bench)
@@ -56,6 +59,7 @@ class KeptTable(Section):
             rate_Hz=question.rate_Hz,
             omega_m_rad_s=question.omega_m_rad_s,
             is_of_phase=question.is_of_phase,
+            analyses={name: dict(settings) for name, settings in record.analyses.items()},
             joined=joined,
             lost=KeptLoss(
                 left_out=dict(lost.left_out), within=lost.within, reasons=dict(lost.reasons), first=lost.first
@@ -110,7 +114,8 @@ class KeptTable(Section):
             what: Channel(name, channel.unit)
             for (what, name), channel in zip(self.columns.items(), channels, strict=True)
         }
-        return Record(rows.data, time_base_of(rows.data, self.joined), named, question, lost)
+        base = time_base_of(rows.data, self.joined)
+        return Record(rows.data, base, named, question, lost, analyses=self.analyses)
 
     def measured_again(self, rows: Block) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:
         """Return measurements and tables of the rows.
@@ -129,7 +134,15 @@ def sensors_of(record: Record, bench: Bench) -> Instruments:
 
 def measured(record: Record, sensors: Instruments) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:
     """Return every number and table of a record, with the errors of its sensors."""
-    found = list(results(record))
-    numbers = tuple(each for each in found if isinstance(each, Measurement))
-    tables = tuple(each for each in found if isinstance(each, Table))
-    return sensors.applied(numbers), sensors.applied_to(tables)
+    found, asked = list(results(record)), list(asked_findings(record))
+    numbers = [each for each in found if isinstance(each, Measurement)]
+    tables = [each for each in found if isinstance(each, Table)]
+    for findings in asked:
+        numbers += findings.measurements
+        tables += findings.tables
+
+    def again(altered: Perturbed) -> Iterator[Measurement]:
+        for findings in asked_again(record, altered):
+            yield from findings.measurements
+
+    return sensors.applied(numbers, again), sensors.applied_to(tables)

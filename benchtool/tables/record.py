@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -39,8 +40,8 @@ class Cut:
 class Record:
     """Rows in SI units, the time first; `channels` are the other columns, by kind, `lost` what is missing.
 
-    `cut` is set where they are the longest stretch of more rows, `unbroken`; `restored_rows` of them were
-    stale, `restored`.
+    `analyses` are those that are asked for, with their settings. `cut` is set where the rows are the longest
+    stretch of more rows, `unbroken`; `restored_rows` of them were stale, `restored`.
     """
 
     data: NDArray[np.float64]
@@ -50,6 +51,7 @@ class Record:
     lost: Lost = field(default_factory=Lost)
     cut: Cut | None = None
     restored_rows: int = 0
+    analyses: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def unbroken(self) -> Record:

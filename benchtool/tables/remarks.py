@@ -11,12 +11,13 @@ from enum import StrEnum
 
 import numpy as np
 
-from benchtool.analysis import Measurement, angle_remarks, clipping, flat_crest_remark
+from benchtool.analysis import Measurement, angle_remarks, clipping, count_of, flat_crest_remark
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.clocks import Clock
+from benchtool.tables.columns import QUANTITIES
 from benchtool.tables.head import Column, has_number, split
 from benchtool.tables.layout import Layout
 from benchtool.tables.record import Record
@@ -256,13 +257,14 @@ def remarks(record: Record) -> Iterator[Remark]:
         yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
     if text := _repeated(record):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
+    responding = {each for settings in record.analyses.values() for each in settings.values()}
     for what, channel in record.channels.items():
         samples = record.column(what)
-        if what == "angle":
+        if what == "angle" or what not in QUANTITIES:
             continue
         if clipped := clipping(samples, channel.unit):
             yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
-        if found := regimes(samples, channel.unit):
+        if channel.name not in responding and (found := regimes(samples, channel.unit)):
             kind = RemarkKind.TWO_REGIMES if found.levels == 2 else RemarkKind.SEVERAL_REGIMES
             yield Remark(kind, what, f"'{channel.name}': {found.text}")
 
@@ -303,7 +305,9 @@ def _shortened(record: Record, measured: str = "measured is", others: str = "") 
         return ""
     begin_s, end_s = float(record.data[0, 0]), float(record.data[-1, 0])
     missing, places = record.cut.missing_rows, len(record.cut.gaps)
-    where = f"{missing} rows are missing in {places} places" if missing > 1 else "one row is missing"
+    where = (
+        f"{missing} rows are missing in {count_of(places, 'place')}" if missing > 1 else "one row is missing"
+    )
     return (
         f"{where}: {measured} the longest stretch without a gap, {begin_s:.6g} s to {end_s:.6g} s, "
         f"{len(record.data)} of {record.cut.rows} rows{others}"

@@ -66,3 +66,90 @@ def test_the_bundle_of_a_table_keeps_note_and_conditions(invoke: Invoke) -> None
     assert conditions.instruments == ("scope 7", "probe 3")
     page = Path("kept/report.html").read_text(encoding="utf-8")
     assert all(text in page for text in ("cold", "Ann", "M1", "scope 7"))
+
+
+def _step(tmp_path: Path) -> None:
+    time_s = np.arange(4_000) / 10e3
+    since_s = np.clip(time_s - 0.1, 0.0, None)
+    answer = 1.0 - np.exp(-since_s / 0.01) + 2e-3 * np.random.default_rng(3).standard_normal(4_000)
+    write(
+        "step.csv",
+        "t [s],T [Nm],ref [mNm],bare",
+        [time_s, answer, 1e3 * (since_s > 0.0), 1.0 * (since_s > 0)],
+    )
+
+
+@pytest.mark.parametrize("reference", ["ref", "3", "4:Nm", "bare"])
+def test_a_table_has_a_step_response_of_the_columns_that_are_named(
+    invoke: Invoke, tmp_path: Path, reference: str
+) -> None:
+    """A lag of 10 ms rises from 10 % to 90 % in ln 9 of it, whatever the reference is stated in."""
+    _step(tmp_path)
+    asked = ("--analysis", f"step:signal=T,reference={reference}")
+    case = measured(invoke("--csv", "step.csv", "--time", "t", *asked, "--out", "kept", "--json"))
+    rise = case["measurements"]["rise_time"]
+    assert abs(rise["value"] - 0.01 * np.log(9.0)) < 1.5 * rise["uncertainty"]["expanded"]
+    assert case["measurements"]["overshoot"]["unit"] == "Nm"
+    assert case["remarks"] == []
+    found = verify_run(Path("kept"))
+    assert found.holds
+    assert found.recomputed > 10
+
+
+def test_the_sensor_of_a_step_is_in_its_numbers(invoke: Invoke, tmp_path: Path) -> None:
+    _step(tmp_path)
+    Path("bench.toml").write_text("[bench.channels.T]\ngain_U_percent = 4.0\n", encoding="utf-8")
+    asked = ("--analysis", "step:signal=T,reference=ref", "--bench", "bench.toml", "--json")
+    plateau = measured(invoke("--csv", "step.csv", "--time", "t", *asked))["measurements"]["plateau_mean"]
+    assert plateau["uncertainty"]["standard"] == pytest.approx(0.02, rel=0.05)
+
+
+def test_a_table_has_a_frequency_response_of_its_columns(invoke: Invoke) -> None:
+    """A lag of 100 Hz, driven by a sweep from 1 Hz to 1 kHz."""
+    time_s = np.arange(40_000) / 10e3
+    sweep = np.cos(2.0 * np.pi * (time_s + 0.125 * 999.0 * time_s**2))
+    kept = np.exp(-2.0 * np.pi * 100.0 / 10e3)
+    answer = np.empty_like(sweep)
+    last = 0.0
+    for row, value in enumerate(sweep):
+        answer[row] = last = kept * last + (1.0 - kept) * value
+    write("sweep.csv", "t [s],u [A],y [mA]", [time_s, sweep, 1e3 * answer])
+    asked = ("--analysis", "frequency_response:input=u,output=y", "--json")
+    case = measured(invoke("--csv", "sweep.csv", "--time", "t", *asked))
+    assert case["measurements"]["response_gain"]["value"] == pytest.approx(1.0, rel=0.02)
+    assert case["measurements"]["bandwidth_3dB"]["value"] == pytest.approx(100.0, rel=0.02)
+    assert "frequency_response" in case["tables"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ("step:signal=T,reference=nope", "no column 'nope'"),
+        ("step:signl=T", "unknown key 'signl': did you mean 'signal'?"),
+        ("step:signal=bare,reference=bare", "no unit of 'bare' is stated"),
+        (
+            "flux_balance",
+            "--analysis 'flux_balance' is none of a table: the names are step, frequency_response",
+        ),
+        ("step=false", "it is made where it is asked for alone"),
+    ],
+)
+def test_an_analysis_that_a_table_does_not_allow_is_refused(
+    invoke: Invoke, tmp_path: Path, asked: str, message: str
+) -> None:
+    _step(tmp_path)
+    result = invoke("--csv", "step.csv", "--time", "t", "--analysis", asked)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_a_step_in_rows_with_a_gap_has_a_reason(invoke: Invoke, tmp_path: Path) -> None:
+    _step(tmp_path)
+    lines = Path("step.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    Path("step.csv").write_text("".join(lines[:1990] + lines[1993:]), encoding="utf-8")
+    asked = ("--torque", "T", "--analysis", "step:signal=T,reference=ref", "--json")
+    case = measured(invoke("--csv", "step.csv", "--time", "t", *asked))
+    assert case["measurements"]["rise_time"]["value"] is None
+    assert "'ref [mNm]' holds 1 over" in case["measurements"]["rise_time"]["reason"]
+    (remark,) = case["remarks"]
+    assert remark["text"].startswith("3 rows are missing in 1 place: measured is the longest stretch")
