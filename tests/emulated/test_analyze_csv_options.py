@@ -10,7 +10,7 @@ import pytest
 from benchtool.recording import Bundle
 from benchtool.results import verify_run
 from tests.emulated.analyze_csv import Invoke, analyze, measured
-from tests.emulated.csv_tables import phase_current, write
+from tests.emulated.csv_tables import Array, phase_current, write
 
 
 @pytest.fixture
@@ -68,23 +68,20 @@ def test_the_bundle_of_a_table_keeps_note_and_conditions(invoke: Invoke) -> None
     assert all(text in page for text in ("cold", "Ann", "M1", "scope 7"))
 
 
-def _step(tmp_path: Path) -> None:
-    time_s = np.arange(4_000) / 10e3
-    since_s = np.clip(time_s - 0.1, 0.0, None)
-    answer = 1.0 - np.exp(-since_s / 0.01) + 2e-3 * np.random.default_rng(3).standard_normal(4_000)
-    write(
-        "step.csv",
-        "t [s],T [Nm],ref [mNm],bare",
-        [time_s, answer, 1e3 * (since_s > 0.0), 1.0 * (since_s > 0)],
-    )
+def _step() -> None:
+    """Write a lag of 10 ms that is driven by a step at 0.1 s, with the reference in two columns."""
+    time_s: Array = np.arange(4_000) / 10e3
+    since_s: Array = np.clip(time_s - 0.1, 0.0, None)
+    noise = 2e-3 * np.random.default_rng(3).standard_normal(4_000)
+    answer: Array = 1.0 - np.exp(-since_s / 0.01) + noise
+    driven: Array = np.where(since_s > 0.0, 1.0, 0.0)
+    write("step.csv", "t [s],T [Nm],ref [mNm],bare", [time_s, answer, 1e3 * driven, driven])
 
 
 @pytest.mark.parametrize("reference", ["ref", "3", "4:Nm", "bare"])
-def test_a_table_has_a_step_response_of_the_columns_that_are_named(
-    invoke: Invoke, tmp_path: Path, reference: str
-) -> None:
+def test_a_table_has_a_step_response_of_the_columns_that_are_named(invoke: Invoke, reference: str) -> None:
     """A lag of 10 ms rises from 10 % to 90 % in ln 9 of it, whatever the reference is stated in."""
-    _step(tmp_path)
+    _step()
     asked = ("--analysis", f"step:signal=T,reference={reference}")
     case = measured(invoke("--csv", "step.csv", "--time", "t", *asked, "--out", "kept", "--json"))
     rise = case["measurements"]["rise_time"]
@@ -96,8 +93,8 @@ def test_a_table_has_a_step_response_of_the_columns_that_are_named(
     assert found.recomputed > 10
 
 
-def test_the_sensor_of_a_step_is_in_its_numbers(invoke: Invoke, tmp_path: Path) -> None:
-    _step(tmp_path)
+def test_the_sensor_of_a_step_is_in_its_numbers(invoke: Invoke) -> None:
+    _step()
     Path("bench.toml").write_text("[bench.channels.T]\ngain_U_percent = 4.0\n", encoding="utf-8")
     asked = ("--analysis", "step:signal=T,reference=ref", "--bench", "bench.toml", "--json")
     plateau = measured(invoke("--csv", "step.csv", "--time", "t", *asked))["measurements"]["plateau_mean"]
@@ -134,17 +131,15 @@ def test_a_table_has_a_frequency_response_of_its_columns(invoke: Invoke) -> None
         ("step=false", "it is made where it is asked for alone"),
     ],
 )
-def test_an_analysis_that_a_table_does_not_allow_is_refused(
-    invoke: Invoke, tmp_path: Path, asked: str, message: str
-) -> None:
-    _step(tmp_path)
+def test_an_analysis_that_a_table_does_not_allow_is_refused(invoke: Invoke, asked: str, message: str) -> None:
+    _step()
     result = invoke("--csv", "step.csv", "--time", "t", "--analysis", asked)
     assert result.exit_code == 2
     assert message in result.stderr
 
 
-def test_a_step_in_rows_with_a_gap_has_a_reason(invoke: Invoke, tmp_path: Path) -> None:
-    _step(tmp_path)
+def test_a_step_in_rows_with_a_gap_has_a_reason(invoke: Invoke) -> None:
+    _step()
     lines = Path("step.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     Path("step.csv").write_text("".join(lines[:1990] + lines[1993:]), encoding="utf-8")
     asked = ("--torque", "T", "--analysis", "step:signal=T,reference=ref", "--json")
