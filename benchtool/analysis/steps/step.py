@@ -239,7 +239,7 @@ def _interval(
     if found is None:
         return Measurement.undefined(name, "s", definition, reason, step.basis)
     of_noise = Contribution("noise of the smoothed signal over its slope", "A", found.of_noise)
-    of_rows = Contribution("where between two samples it may be, what windows do to it", "B", found.of_rows)
+    of_rows = Contribution("its place between two samples and what windows do to it", "B", found.of_rows)
     uncertainty = _possible((of_noise, of_rows, *further), standard).scaled(step.period_s)
     return Measurement(name, found.place * step.period_s, "s", definition, step.basis, uncertainty)
 
@@ -304,7 +304,7 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
 
 def _errors(of_curve: float, of_windows: float, of_reference: float) -> tuple[Contribution, ...]:
     """Return the contributions to the uncertainty of an excursion beyond the reference."""
-    of_noise = "noise of the smoothed signal, by a parametric bootstrap, and its course between samples"
+    of_noise = "noise of the smoothed signal and its course between samples"
     return (
         Contribution(of_noise, "A", of_curve),
         Contribution("what windows do to it", "B", of_windows),
