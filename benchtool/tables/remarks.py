@@ -257,7 +257,8 @@ def remarks(record: Record) -> Iterator[Remark]:
         yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
     if text := _repeated(record):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
-    responding = {each for settings in record.analyses.values() for each in settings.values()}
+    settings = [each for table in record.analyses.values() for each in table.values()]
+    responding = [each for each in settings if isinstance(each, str)]  # they do not stay at one level
     for what, channel in record.channels.items():
         samples = record.column(what)
         if what == "angle" or what not in QUANTITIES:
