@@ -137,7 +137,7 @@ def test_held_samples_claim_no_more_than_they_are(invoke: Invoke) -> None:
     held = np.repeat(current[::10], 10)
     write("held.csv", "t,I,T", [time_s, held, 2.0 + held])
     case = measured(invoke("--csv", "held.csv", "--time", "t", "--current", "I", "--torque", "T", "--json"))
-    reason = "each value is held for 10 rows, the current was sampled at about 1000 Hz and not at 1e+04 Hz"
+    reason = "each value is held for 10 rows, the current was sampled at about 1000 Hz and not at 10000 Hz"
     assert reason in case["measurements"]["current_thd_f"]["reason"]
     ripple = case["measurements"]["torque_ripple_pp"]
     assert ripple["basis"]["bandwidth_Hz"] == pytest.approx(500.0)
