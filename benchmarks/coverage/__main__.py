@@ -6,9 +6,10 @@ Printed is for each measurement how often +-u, +-2u and +-U hold the truth and t
 stands for a number that was refused with a reason, `uncounted` for one whose truth the family does not tell,
 and `bound` for errors that are smaller than u because the
 family's sensors are always of one kind among those that the profile allows. Last come the quantiles of that
-rms over all answers. A pass over all families takes some ten minutes on two cores; a doubtful number is
-counted again by its family's name with more repetitions and another seed. Drawn families are others with each
-seed, and what they are is printed where a number does not hold. Exit code 1 if any uncertainty is too small.
+rms over all answers. A pass over all families takes some forty minutes on two cores, one over those of a
+part of a name minutes; a doubtful number is counted again by its family's name with more repetitions and
+another seed. Drawn families are others with each seed, and what they are is printed where a number does not
+hold. Exit code 1 if any uncertainty is too small.
 """
 
 from __future__ import annotations
