@@ -103,7 +103,7 @@ def test_another_dc_link_than_the_plan_takes_fails(wire: Wire, tmp_path: Path) -
     found = _run(wire.session, _plan(ALL, omega_m_rad_s=31.42, u_dc_V=311.0), tmp_path / "run")
     (missed,) = found.missed
     assert missed.name == "u_dc_reached"
-    assert "is 122.6 V, at least 279.9 is asked for" in str(missed)
+    assert "is 122.56 ± 0.28 V, at least 279.9 is asked for" in str(missed)
 
 
 @pytest.mark.parametrize(("held", "verdict"), [(31.42, "pass"), (25.0, "fail")])

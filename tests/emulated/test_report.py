@@ -284,7 +284,7 @@ def test_a_recording_without_a_plan_is_measured_and_not_judged(tmp_path: Path) -
     text = text_of((tmp_path / "slow" / "report.html").read_text(encoding="utf-8"))
     assert "What was measured stream telemetry, 100 Hz, every 100 control ticks" in text
     assert "Undefined: torque_mean" in text
-    assert "'torque' is constant at 0 over 50 samples" in html.unescape(text)
+    assert "'torque' is constant at 0 Nm over 50 samples" in html.unescape(text)
     assert "omega_m_reached" in text
     assert "The plan sets no limits" not in text
     assert "No limits" in text
