@@ -11,14 +11,15 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.settled_course import SettledCourse
 
 ROWS = np.arange(1200.0)
-BAND = 5.0  # standard deviations of the noise
+SIGMA = 2.0  # of the noise
+BAND = 5.0 * SIGMA
 DRAWS = 80
 
 
 def noise(random: np.random.Generator, count: int) -> NDArray[np.float64]:
-    """Return smooth noise of standard deviation 1, shape (count, rows)."""
+    """Return smooth noise of standard deviation SIGMA, shape (count, rows)."""
     drawn = gaussian_filter1d(random.standard_normal((count, len(ROWS) + 200)), 15.0, axis=1)[:, 100:-100]
-    return np.asarray(drawn / np.std(drawn))
+    return np.asarray(SIGMA * drawn / np.std(drawn))
 
 
 def settled(away: NDArray[np.float64], seed: int = 0) -> SettledCourse:
@@ -27,8 +28,8 @@ def settled(away: NDArray[np.float64], seed: int = 0) -> SettledCourse:
 
 def test_a_settling_time_is_as_uncertain_as_its_errors_where_noise_at_rest_nears_the_band() -> None:
     random = np.random.default_rng(5)
-    lag = -100.0 * np.exp(-ROWS / 40.0)
-    true = 40.0 * np.log(100.0 / BAND)
+    lag = -200.0 * np.exp(-ROWS / 40.0)
+    true = 40.0 * np.log(200.0 / BAND)
     errors, stated = [], []
     for _ in range(60):
         found = NoisyCurve(lag + noise(random, 1)[0], noise(random, DRAWS)).last_outside(0.0, BAND)
@@ -38,24 +39,50 @@ def test_a_settling_time_is_as_uncertain_as_its_errors_where_noise_at_rest_nears
     relative = np.divide(errors, stated)
     assert 0.7 < np.sqrt(np.mean(relative**2)) < 1.4
     assert np.mean(np.abs(relative) < 2.0) >= 0.9
-    # noise of 1 over the slope of 5 / 40 a row is 8 rows; draws that have noise at rest twice made it 77
+    # noise of 2 over the slope of 10 / 40 a row is 8 rows; draws that have noise at rest twice made it 77
     assert 6.0 < np.median(stated) < 11.0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_it_may_ring_for_as_long_again_as_it_took(sign: float) -> None:
+    errors = noise(np.random.default_rng(3), DRAWS)
+    standard, since = np.std(errors, axis=0), 50
+    away = sign * np.where(ROWS <= 130, 200.0, 0.0)
+    found = SettledCourse.of(away, errors, BAND, since)
+    assert (found.last, found.soon, found.sign) == (130, 131 + 80, sign)
+    for most, rows in ((found.most_soon, slice(130, 211)), (found.most_late, slice(211, None))):
+        greatest = np.max(np.abs(errors[:, rows]) / standard[rows], axis=1)
+        assert most == pytest.approx(max(2.0, float(np.quantile(greatest, 0.95))))
+    assert found.most_late > found.most_soon
+    # what lies between both is noise late, and none where it may ring
+    size = (0.25 * found.most_soon + 0.75 * found.most_late) * SIGMA
+    for at, left in ((180, size), (900, 0.0)):
+        bump = size * np.exp(-0.5 * ((ROWS - at) / 1.5) ** 2)
+        course = found.without_noise(away + sign * bump)
+        assert float(np.max(sign * course[150:])) == pytest.approx(left, abs=0.35 * size)
+
+
+def test_a_course_that_settles_late_may_ring_to_its_end() -> None:
+    away = np.where(ROWS <= 900, 200.0, 0.0)
+    found = settled(away)
+    assert found.soon == len(ROWS)
+    assert np.all(found.without_noise(away + 0.5 * SIGMA)[901:] < BAND)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_noise_at_rest_is_left_out_and_a_fall_that_is_slow_is_not(sign: float) -> None:
-    lag = sign * 100.0 * np.exp(-ROWS / 40.0)
+    lag = sign * 200.0 * np.exp(-ROWS / 40.0)
     of_noise = noise(np.random.default_rng(1), 1)[0]
     course = settled(lag).without_noise(lag + of_noise)
-    assert np.std(course[400:]) < 0.5
-    slow = lag + sign * 8.0 * np.exp(-ROWS / 500.0)
+    assert np.std(course[400:]) < 0.5 * SIGMA
+    slow = lag + sign * 16.0 * np.exp(-ROWS / 500.0)
     course = settled(slow).without_noise(slow)
     assert np.allclose(course, slow)
 
 
 def test_what_noise_does_not_make_stays() -> None:
-    lag = 100.0 * np.exp(-ROWS / 40.0)
-    bump = 6.0 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
+    lag = 200.0 * np.exp(-ROWS / 40.0)
+    bump = 12.0 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
     for of_one_side in (bump, -bump):
         away = lag + of_one_side
         found = NoisyCurve(away, noise(np.random.default_rng(2), DRAWS)).last_outside(0.0, BAND)
@@ -64,10 +91,10 @@ def test_what_noise_does_not_make_stays() -> None:
 
 
 def test_a_lobe_that_may_ring_stays_where_noise_may_hide_how_far_it_goes() -> None:
-    lag = 100.0 * np.exp(-ROWS / 40.0)
-    lobe = -3.5 * np.exp(-0.5 * ((ROWS - 200.0) / 20.0) ** 2)
-    later = -2.5 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
+    lag = 200.0 * np.exp(-ROWS / 40.0)
+    lobe = -7.0 * np.exp(-0.5 * ((ROWS - 200.0) / 20.0) ** 2)
+    later = -5.0 * np.exp(-0.5 * ((ROWS - 900.0) / 20.0) ** 2)
     away = np.where(ROWS < 160, lag, 0.0) + lobe + later
     course = settled(away).without_noise(away)
-    assert np.min(course[:400]) == pytest.approx(-3.5, abs=0.01)  # 1.5 standard deviations within the band
-    assert np.min(course[600:]) > -0.5
+    assert np.min(course[:400]) == pytest.approx(-7.0, abs=0.02)  # 1.5 standard deviations within the band
+    assert np.min(course[600:]) > -0.5 * SIGMA
