@@ -55,11 +55,11 @@ def test_it_may_ring_for_as_long_again_as_it_took(sign: float) -> None:
         assert most == pytest.approx(max(2.0, float(np.quantile(greatest, 0.95))))
     assert found.most_late > found.most_soon
     # what lies between both is noise late, and none where it may ring
-    size = (0.25 * found.most_soon + 0.75 * found.most_late) * SIGMA
-    for at, left in ((180, size), (900, 0.0)):
-        bump = size * np.exp(-0.5 * ((ROWS - at) / 1.5) ** 2)
-        course = found.without_noise(away + sign * bump)
-        assert float(np.max(sign * course[150:])) == pytest.approx(left, abs=0.35 * size)
+    between = 0.25 * found.most_soon + 0.75 * found.most_late
+    for at, stays in ((180, True), (900, False)):
+        bump = between * standard[at] * np.exp(-0.5 * ((ROWS - at) / 1.5) ** 2)
+        course = sign * found.without_noise(away + sign * bump)
+        assert (float(np.max(course[150:])) > standard[at]) == stays
 
 
 def test_a_course_that_settles_late_may_ring_to_its_end() -> None:
