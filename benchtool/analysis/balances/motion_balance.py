@@ -28,6 +28,7 @@ from benchtool.analysis.balances.angle import smooth_angle
 from benchtool.analysis.balances.flux_balance import FluxBalance
 from benchtool.analysis.balances.flux_measurements import FluxBalanceSettings, balance_of
 from benchtool.analysis.balances.flux_model import NEEDED
+from benchtool.analysis.balances.modulation import HOP, WINDOW, Modulation
 from benchtool.analysis.balances.readings import of_readings
 from benchtool.analysis.balances.space_vectors import Floats
 from benchtool.analysis.balances.unknowns import Solution, solve
@@ -46,12 +47,10 @@ ESTIMATED: Final = ("J", "friction", "coulomb")
 UNITS: Final = {"J": "kgm2", "friction": "Nms/rad", "coulomb": "Nm"}
 
 _NAMES: Final = (*ESTIMATED, "load")
-_WINDOW = 200  # ticks
 _FEWEST = 20  # windows
 _COUNTS_OF_MOTION = 4.0  # that the shaft must go in half a window, to turn
 _SPAN_OF_FRICTION = 0.1  # of the rated torque
-_BLOCK_ROWS, _MOST_BLOCKS = 4, 40
-_MOVED = 1.0 / 6.0  # of the change of current that dead time makes in a period: of its mean, at most
+_ITERATIONS, _CONVERGED = 15, 0.02  # standard uncertainties
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,8 @@ class MotionBalance:
     Attributes:
         flux: the flux balance whose parameters give the torque.
         solution: of J, friction, coulomb and load.
-        pole_pairs: of the motor.
+        between_ticks: by how much each of these may be off, either way, as it is not told how much of the
+            dead-time voltage moves the current between the ticks, shape (unknowns,).
         omega_m_rad_s: speed at the ticks by the encoder, shape (n,).
         windows: how many were used.
         error_Nm: rms of what the balance of a window leaves, as a mean torque.
@@ -69,29 +69,10 @@ class MotionBalance:
 
     flux: FluxBalance
     solution: Solution
-    pole_pairs: int
+    between_ticks: Floats
     omega_m_rad_s: Floats
     windows: int
     error_Nm: float
-
-    @property
-    def between_ticks_Nm(self) -> float:
-        """By how much the torque of the mean current within a tick may differ from that of its ends.
-
-        By what dead time takes beyond what the drive makes up for.
-        """
-        p = self.flux.estimate
-        moved_A = between_ticks_A(p.dead_time_voltage, self.flux.ticks.T_s, p.L_d, p.L_q)
-        return 1.5 * self.pole_pairs * p.psi_r * moved_A
-
-
-def between_ticks_A(dead_time_V: float, T_s: float, L_d_H: float, L_q_H: float) -> float:
-    """Return by how much the mean current within a tick may differ from that of its ends.
-
-    Dead time acts near one end of a period, and moves that mean by up to a sixth of the change of current
-    that it makes.
-    """
-    return _MOVED * abs(dead_time_V) * T_s / (0.5 * (L_d_H + L_q_H))
 
 
 class MotionBalanceSettings(FluxBalanceSettings):
@@ -121,67 +102,76 @@ def motion_balance(
     measured = np.unwrap(np.ascontiguousarray(block.column("theta_m")))[rows:]
     speed = np.gradient(smooth_angle(measured))
     turning = _turning(speed, counting_step(block.column("theta_m")))
-    inside = np.lib.stride_tricks.sliding_window_view(turning, _WINDOW)[:: _WINDOW // 2]
-    used = np.abs(np.sum(inside, axis=1)) == _WINDOW
-    if np.count_nonzero(used) < _FEWEST:
-        raise AnalysisError(
-            f"the shaft turns one way throughout in {np.count_nonzero(used)} windows of {_WINDOW} ticks, at "
-            f"least {_FEWEST} are needed: turn it faster or longer"
-        )
     T_s = flux.ticks.T_s
-    weight, first, second = _modulating(T_s)
-    angle = _windows(measured, used)
-    angle = angle - angle[:, _WINDOW // 2, np.newaxis]
-    direction = inside[used, 0].astype(np.float64)
+    windows = Modulation.of(turning, T_s)
+    count = len(windows.starts)
+    if count < _FEWEST:
+        raise AnalysisError(
+            f"the shaft turns one way throughout in {count} windows of {WINDOW} ticks, at least {_FEWEST} are "
+            f"needed: turn it faster or longer"
+        )
+    angle = windows.samples(measured)
+    angle = angle - angle[:, WINDOW // 2, np.newaxis]
+    impulse_s = float(np.sum(windows.weight))
     names = list(_NAMES)
     cogging = []
     for order in cogging_orders:
         names += [f"cogging_{order}_cos", f"cogging_{order}_sin"]
-        cogging += [T_s * _windows(wave(order * measured), used) @ weight for wave in (np.cos, np.sin)]
+        cogging += [windows.samples(wave(order * measured)) @ windows.weight for wave in (np.cos, np.sin)]
     columns = np.stack(
         [
-            T_s * angle @ second,
-            -T_s * angle @ first,
-            direction * T_s * np.sum(weight),
-            np.full(len(angle), T_s * np.sum(weight)),
+            angle @ windows.second,
+            -angle @ windows.first,
+            turning[windows.starts] * impulse_s,
+            np.full(count, impulse_s),
             *cogging,
         ],
         axis=1,
     )
-    impulse = T_s * _windows(torque, used) @ weight
+    # by dead time alone the torque between the ticks is off by all of it, by voltages of devices by none
+    half = 0.5 * flux.torque_between_ticks(flux.estimate, motor.pole_pairs)
+    impulse, moved = (windows.samples(each) @ windows.weight for each in (torque + half, half))
     believed = np.array([motor.J_kgm2, *(len(names) - 1) * (0.0,)])
     friction_Nm = _SPAN_OF_FRICTION * motor.T_N_Nm
     of_shaft = (motor.J_kgm2, friction_Nm / motor.omega_m_N_rad_s, friction_Nm, friction_Nm)
     spans = np.array([*of_shaft, *len(cogging) * (friction_Nm,)])
-    blocks = {"block_rows": _BLOCK_ROWS, "most_blocks": _MOST_BLOCKS}
-    found = solve(names, columns, impulse - columns @ believed, believed, believed, spans, **blocks)
-    at = found.values  # the equations are linear: with the errors that are left there, so is the covariance
-    solution = solve(names, columns, impulse - columns @ at, at, believed, spans, **blocks)
-    left = (impulse - columns @ solution.values) / (T_s * np.sum(weight))
+    solution = _solved(names, *windows.whitened(columns, impulse), believed, spans)
+    # whitened by their own noise, as they are without it
+    beside = _solved(names, *windows.whitened(columns, impulse + moved), believed, spans)
+    left = (impulse - columns @ solution.values) / impulse_s
     return MotionBalance(
-        flux, solution, motor.pole_pairs, speed / T_s, len(angle), math.sqrt(float(np.mean(left**2)))
+        flux,
+        solution,
+        np.abs(beside.values - solution.values),
+        speed / T_s,
+        count,
+        math.sqrt(float(np.mean(left**2))),
     )
+
+
+def _solved(
+    names: Sequence[str], columns: Floats, impulse: Floats, believed: Floats, spans: Floats
+) -> Solution:
+    """Return the unknowns of linear equations, with the covariance by the errors that are left there.
+
+    Errors at any other place count what the place is off by as noise of the data, beside which the belief
+    counts for too much: the step from the belief itself does not arrive.
+    """
+    at = believed
+    for _ in range(_ITERATIONS):
+        solution = solve(names, columns, impulse - columns @ at, at, believed, spans, block_rows=1)
+        moved = np.abs(solution.values - at)
+        at = solution.values
+        if np.all(moved <= _CONVERGED * np.sqrt(np.diag(solution.covariance))):
+            break
+    return solution
 
 
 def _turning(speed: Floats, count: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """Return at each tick the direction in which the shaft turns, 0 where it hardly does, by its speed in rad
     per tick."""
-    least = 2.0 * _COUNTS_OF_MOTION * count / _WINDOW
+    least = 2.0 * _COUNTS_OF_MOTION * count / WINDOW
     return np.where(np.abs(speed) > least, np.sign(speed), 0.0).astype(np.int64)
-
-
-def _modulating(T_s: float) -> tuple[Floats, Floats, Floats]:
-    """Return phi = (1 - s^2)^3 over a window, s from -1 to 1, and its first two derivatives by time."""
-    s = (2.0 * np.arange(_WINDOW) + 1.0) / _WINDOW - 1.0
-    rate = 2.0 / (_WINDOW * T_s)
-    inner = 1.0 - s * s
-    return inner**3, -6.0 * rate * s * inner**2, 6.0 * rate**2 * (4.0 * s * s - inner) * inner
-
-
-def _windows(samples: Floats, used: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Floats:
-    """Return the samples in the windows that are used, shape (windows, ticks)."""
-    views = np.lib.stride_tricks.sliding_window_view(samples, _WINDOW)[:: _WINDOW // 2]
-    return np.asarray(views[used])
 
 
 def _of_window(window: Window, settings: MotionBalanceSettings) -> MotionBalance:
@@ -194,11 +184,11 @@ def _measure(window: Window, settings: MotionBalanceSettings) -> Findings:
     found = _of_window(window, settings)
     rate_Hz = window.block.sample_rate_Hz
     basis = Basis(
-        samples=found.windows * _WINDOW / 2,
+        samples=found.windows * HOP,
         sample_rate_Hz=rate_Hz,
         duration_s=len(window.block.data) / rate_Hz,
-        bandwidth_Hz=2.0 * rate_Hz / _WINDOW,
-        window=f"{found.windows} windows of {_WINDOW} ticks, half overlapping, (1 - s^2)^3",
+        bandwidth_Hz=2.0 * rate_Hz / WINDOW,
+        window=f"{found.windows} windows of {WINDOW} ticks, {HOP} apart, (1 - s^2)^3",
         gaps=0,
     )
     return Findings(tuple(_measurements(found, basis)), (), found)
@@ -219,10 +209,8 @@ def _measurements(found: MotionBalance, basis: Basis) -> Iterator[Measurement]:
         lines = [Contribution("rotor flux", "B", abs(value) * relative)] if told else []
         if link is not None:
             lines += link.line(value / link.mean)
-        if name in ("friction", "coulomb"):
-            between = found.between_ticks_Nm / math.sqrt(3.0)
-            speed = math.sqrt(float(np.mean(found.omega_m_rad_s**2))) if name == "friction" else 1.0
-            lines.append(Contribution("current between the ticks", "B", between / speed))
+        between = float(found.between_ticks[found.solution.names.index(name)])
+        lines.append(Contribution("current between the ticks", "B", between))
         reference = "torque by the parameters of the flux balance" if told else "torque by the psi_r believed"
         uncertain = found.solution.uncertainty(name, *lines)
         of_found, sensed = replace(basis, reference=reference), of_readings(value, link, 1)
@@ -245,8 +233,8 @@ MOTION_BALANCE: Final = Analysis(
             (f"motion_balance_{name}",),
             UNITS[name],
             _DEFINITIONS[name],
-            "scatter of the errors of the balance over blocks of windows; of `psi_r`; resolution of `u_dc`"
-            + ("" if name == "J" else "; current between the ticks by dead time"),
+            "errors of the balance, of the angle and of the torque; of `psi_r`; resolution of `u_dc`; current "
+            "between the ticks by dead time",
         )
         for name in ESTIMATED
     ),
