@@ -61,6 +61,10 @@ class Machine:
         of_motor = MOTOR.R_s_ohm, MOTOR.L_d_H, MOTOR.L_q_H, MOTOR.psi_r_Wb, MOTOR.J_kgm2
         return cls(*of_motor, 0.0, 0.0, 0.0, 0.0, (1.0, 1.0, 1.0))
 
+    def torque_Nm(self, i_d: float, i_q: float) -> float:
+        """Return the torque of the currents."""
+        return 1.5 * MOTOR.pole_pairs * (self.psi_r + (self.L_d - self.L_q) * i_d) * i_q
+
     @property
     def truths(self) -> dict[str, float]:
         """The parameters by the names of the measurements."""
@@ -149,7 +153,7 @@ def record(
     what: Machine, sensors: Sensors, excitation: Excitation, rows: int, random: np.random.Generator
 ) -> Record:
     """Return what a drive captures of a machine."""
-    p, psi = MOTOR.pole_pairs, what.psi_r
+    p = MOTOR.pole_pairs
     noise = [coloured(noise_of(sensors.kind, random, rows), sensors.colour) for _ in range(3)]
     noise_A = (sensors.noise_A * np.array(noise)).T.tolist()
     offset = random.uniform(-0.5, 0.5, 3).tolist()  # of a converter's levels, in steps
@@ -168,7 +172,6 @@ def record(
     found = np.empty((rows, len(_UNITS)))
     true = np.empty((rows, 4), dtype=np.complex128)
     third = complex(-0.5, 0.5 * math.sqrt(3.0))
-    L_d, L_q = what.L_d, what.L_q
     for k in range(rows):
         rotor = complex(math.cos(p * theta), math.sin(p * theta))
         i_s = complex(i_d, i_q) * rotor
@@ -193,16 +196,12 @@ def record(
         asked *= min(1.0, _MOST_V / max(abs(asked), 1e-9))
         ratio = U_DC / link[k]  # the pulses are made by what is read of the link
         found[k] = (*read, asked.real, asked.imag, link[k], angle % (2 * math.pi))
-        torque = 1.5 * p * (psi + (L_d - L_q) * i_d) * i_q
+        torque = what.torque_Nm(i_d, i_q)
         resistance = what.R_s * (1.0 + what.warming * (k / rows - 0.5))
         middle = 0.5 * (omega + (loaded[k + 1] if held else _speed_after(what, torque, theta, omega)))
         true[k] = (i_s, u_s / ratio, theta - what.encoder_offset / p, middle)
-        i_d, i_q = _over_a_tick(what, resistance, i_d, i_q, u_s, theta, middle)
-        if held:
-            omega = loaded[k + 1]
-        else:
-            after = 1.5 * p * (psi + (L_d - L_q) * i_d) * i_q
-            omega = _speed_after(what, 0.5 * (torque + after), theta + 0.5 * T_S * middle, omega)
+        i_d, i_q, mean_Nm = _over_a_tick(what, resistance, i_d, i_q, u_s, theta, middle)
+        omega = loaded[k + 1] if held else _speed_after(what, mean_Nm, theta + 0.5 * T_S * middle, omega)
         theta += T_S * middle
     block = Block.from_arrays(1.0 / T_S, _UNITS, **dict(zip(_UNITS, found.T, strict=True)))
     as_read = np.zeros(rows, dtype=np.complex128)
@@ -243,20 +242,23 @@ def error_of_prediction(what: Machine, found: Record, least_A: float) -> float:
 def _speed_after(what: Machine, torque_Nm: float, theta: float, omega: float) -> float:
     """Return the speed of a free shaft after a tick: dry friction takes what it can, and does not turn it."""
     order, size_Nm = what.cogging
-    torque_Nm -= what.load_Nm + what.friction * omega + size_Nm * math.sin(order * theta)
-    free = omega + T_S / what.J * torque_Nm
+    torque_Nm -= what.load_Nm + size_Nm * math.sin(order * theta)
+    rubbing = 0.5 * T_S * what.friction / what.J  # at the mean of both speeds
+    free = ((1.0 - rubbing) * omega + T_S / what.J * torque_Nm) / (1.0 + rubbing)
     return math.copysign(max(0.0, abs(free) - what.coulomb * T_S / what.J), free)
 
 
 def _over_a_tick(
     what: Machine, resistance: float, i_d: float, i_q: float, u_s: complex, theta: float, omega_m: float
-) -> tuple[float, float]:
+) -> tuple[float, float, float]:
     """Return the currents after a tick at a constant speed under a mean voltage, by pulses about the middle
-    whose edges a dead time delays."""
+    whose edges a dead time delays, and the mean torque until then."""
     omega = MOTOR.pole_pairs * omega_m
     rotor = complex(math.cos(MOTOR.pole_pairs * theta), math.sin(MOTOR.pole_pairs * theta))
+    impulse_Nms, before = 0.0, what.torque_Nm(i_d, i_q)
     if not what.dead_time_V:
-        return _advanced(what, resistance, omega, i_d, i_q, u_s * rotor.conjugate(), T_S)
+        i_d, i_q = _advanced(what, resistance, omega, i_d, i_q, u_s * rotor.conjugate(), T_S)
+        return i_d, i_q, 0.5 * (before + what.torque_Nm(i_d, i_q))
     legs = [(u_s * axis.conjugate()).real for axis in _AXES]
     centre = 0.5 * (max(legs) + min(legs))
     duty = [min(1.0, max(0.0, 0.5 + (each - centre) / U_DC)) for each in legs]
@@ -273,7 +275,9 @@ def _over_a_tick(
         u = U_DC * 2.0 / 3.0 * sum((_AXES[k] for k in range(3) if high[k]), 0j)
         turned = rotor * complex(math.cos(omega * now_s), math.sin(omega * now_s))
         i_d, i_q = _advanced(what, resistance, omega, i_d, i_q, u * turned.conjugate(), at_s - now_s)
-        now_s = at_s
+        after = what.torque_Nm(i_d, i_q)
+        impulse_Nms += 0.5 * (before + after) * (at_s - now_s)
+        now_s, before = at_s, after
         if waiting:
             high[leg] = int(sign > 0)
             continue
@@ -286,7 +290,9 @@ def _over_a_tick(
             high[leg] = int(sign > 0)
     u = U_DC * 2.0 / 3.0 * sum((_AXES[k] for k in range(3) if high[k]), 0j)
     turned = rotor * complex(math.cos(omega * now_s), math.sin(omega * now_s))
-    return _advanced(what, resistance, omega, i_d, i_q, u * turned.conjugate(), T_S - now_s)
+    i_d, i_q = _advanced(what, resistance, omega, i_d, i_q, u * turned.conjugate(), T_S - now_s)
+    impulse_Nms += 0.5 * (before + what.torque_Nm(i_d, i_q)) * (T_S - now_s)
+    return i_d, i_q, impulse_Nms / T_S
 
 
 _AXES = (1.0 + 0j, complex(-0.5, 0.5 * math.sqrt(3.0)), complex(-0.5, -0.5 * math.sqrt(3.0)))

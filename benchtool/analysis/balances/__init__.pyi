@@ -20,7 +20,6 @@ from .motion_balance import (
     MOTION_BALANCE as MOTION_BALANCE,
     MotionBalance as MotionBalance,
     MotionBalanceSettings as MotionBalanceSettings,
-    between_ticks_A as between_ticks_A,
     motion_balance as motion_balance,
 )
 from .simulation import (

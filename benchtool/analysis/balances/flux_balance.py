@@ -121,21 +121,17 @@ class FluxBalance:
 
     def torque_between_ticks(self, p: Electrical, pole_pairs: int) -> Floats:
         """Return by how much the mean torque around the ticks exceeds that at them, shape (n + 1,), if all of
-        the dead-time voltage is by dead time.
-
-        This delays an edge of every leg, and so the middle of every pulse by half of it, whatever the sign of
-        the current: the flux gets to where it is at the end of a period later on the way.
-        """
+        the dead-time voltage is by dead time, which takes it at the edges; voltages of devices act throughout
+        a period."""
         ticks = self.ticks
-        late = -0.5 * p.dead_time_voltage * ticks.T_s / ticks.u_dc * ticks.u_s  # Vs, in the mean of a period
-        direction = 0.5 * (ticks.direction(p)[1:] + ticks.direction(p)[:-1])
-        late_dq = late * np.conj(direction)
-        moved = np.zeros(len(late_dq) + 1, dtype=np.complex128)
-        moved[1:] += 0.5 * late_dq
-        moved[:-1] += 0.5 * late_dq
-        i_dq = ticks.currents(p) * np.conj(ticks.direction(p))
-        by_current = moved.real / p.L_d + 1j * moved.imag / p.L_q
-        torque = np.imag(np.conj(moved) * i_dq + np.conj(flux_of(i_dq, p)) * by_current)
+        taken = -p.dead_time_voltage * ticks.T_s
+        i_s = ticks.currents(p)
+        in_mean_Vs = taken * ticks.edges.before_middle(i_s, 0.5 * (p.L_d + p.L_q))
+        half = np.append(0.5 * in_mean_Vs, 0.0)
+        turned = np.conj(ticks.direction(p))
+        psi_dq, i_dq = (half + np.roll(half, 1)) * turned, i_s * turned
+        by_flux = psi_dq.real / p.L_d + 1j * psi_dq.imag / p.L_q
+        torque = np.imag(np.conj(psi_dq) * i_dq + np.conj(flux_of(i_dq, p)) * by_flux)
         return np.asarray(1.5 * pole_pairs * torque)
 
 

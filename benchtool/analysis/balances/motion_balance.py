@@ -107,8 +107,8 @@ def motion_balance(
     count = len(windows.starts)
     if count < _FEWEST:
         raise AnalysisError(
-            f"the shaft turns one way throughout in {count} windows of {WINDOW} ticks, at least {_FEWEST} are "
-            f"needed: turn it faster or longer"
+            f"the shaft turns one way throughout in {count} windows of {WINDOW} ticks, at least {_FEWEST} "
+            f"are needed: turn it faster or longer"
         )
     angle = windows.samples(measured)
     angle = angle - angle[:, WINDOW // 2, np.newaxis]
@@ -135,9 +135,8 @@ def motion_balance(
     friction_Nm = _SPAN_OF_FRICTION * motor.T_N_Nm
     of_shaft = (motor.J_kgm2, friction_Nm / motor.omega_m_N_rad_s, friction_Nm, friction_Nm)
     spans = np.array([*of_shaft, *len(cogging) * (friction_Nm,)])
-    solution = _solved(names, *windows.whitened(columns, impulse), believed, spans)
-    # whitened by their own noise, as they are without it
-    beside = _solved(names, *windows.whitened(columns, impulse + moved), believed, spans)
+    white, sides = windows.whitened(columns, np.column_stack([impulse, impulse + moved]))
+    solution, beside = (_solved(names, white, side, believed, spans) for side in sides.T)
     left = (impulse - columns @ solution.values) / impulse_s
     return MotionBalance(
         flux,
@@ -233,7 +232,7 @@ MOTION_BALANCE: Final = Analysis(
             (f"motion_balance_{name}",),
             UNITS[name],
             _DEFINITIONS[name],
-            "errors of the balance, of the angle and of the torque; of `psi_r`; resolution of `u_dc`; current "
+            "noise of angle and torque that the balance leaves; of `psi_r`; resolution of `u_dc`; current "
             "between the ticks by dead time",
         )
         for name in ESTIMATED

@@ -12,6 +12,7 @@ The modulation is taken to be centred with equal zero vectors (SVPWM), sampled a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,11 @@ class _Edge:
     present: NDArray[np.bool_]
     at_s: Floats
     ripple_Vs: Floats
+
+    def delayed(self, current: Floats) -> Floats:
+        """Return the sign of the edge where dead time delays it: where the current of its leg, shape (3, n),
+        holds that until the other switch turns on."""
+        return np.asarray(self.sign * (self.present & (self.sign * current > 0.0)), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -88,14 +94,26 @@ class Edges:
             least: current at an edge below which its sign is not told.
             shortest_s: a shorter pulse may be lost in the dead time, and is not told either.
         """
-        phases = phase_values(i_s)
-        begin, end = phases[:, :-1], phases[:, 1:]
-        total, unsure = np.zeros_like(begin), self.unknown | (self.pulse_s < shortest_s)
-        for edge in self.edges:
-            current = begin + (end - begin) * (edge.at_s / self.T_s) + edge.ripple_Vs / L
-            total += edge.sign * (edge.present & (edge.sign * current > 0.0))
+        total, unsure = np.zeros((3, len(self.unknown))), self.unknown | (self.pulse_s < shortest_s)
+        for edge, current in zip(self.edges, self._currents(i_s, L), strict=True):
+            total += edge.delayed(current)
             unsure |= np.any(edge.present & (np.abs(current) < least), axis=0)
         return space_vector(total), unsure
+
+    def before_middle(self, i_s: Complex, L: float) -> Complex:
+        """Return the vector of the signs as `signs` has them, each times the share of the period by which its
+        edge is before the middle: what comes there is in the mean of a period more than at its ends."""
+        total = np.zeros((3, len(self.unknown)))
+        for edge, current in zip(self.edges, self._currents(i_s, L), strict=True):
+            total += edge.delayed(current) * (0.5 - edge.at_s / self.T_s)
+        return space_vector(total)
+
+    def _currents(self, i_s: Complex, L: float) -> Iterator[Floats]:
+        """Yield the current of each leg at each edge, shape (3, n)."""
+        phases = phase_values(i_s)
+        begin, end = phases[:, :-1], phases[:, 1:]
+        for edge in self.edges:
+            yield begin + (end - begin) * (edge.at_s / self.T_s) + edge.ripple_Vs / L
 
 
 def _ripple(at_s: Floats, rise_s: Floats, duty: Floats, u_dc: Floats, T_s: float) -> Floats:

@@ -15,7 +15,6 @@ from benchtool.analysis.balances import (
     UNEXPLAINED,
     Deviation,
     MotionBalanceSettings,
-    between_ticks_A,
     contradictions,
     deviations,
 )
@@ -43,6 +42,7 @@ _FIRST_SHARE = 0.25  # of the last frequency
 _RIPPLE = 0.5  # rms ripple of the current over what one vector changes
 _NEAR_ZERO = 0.5  # of the voltage of the dead time: within the ripple of the current it is not there
 _FOLLOWS = 0.5  # of the speed asked for
+_MOVED = 1.0 / 6.0  # of the change of current that dead time makes in a period: of its mean, at most
 _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
 _COMPENSATION = "dead_time_compensation"
@@ -228,7 +228,8 @@ def _combined(each: Deviation, known: Known, current_A: float) -> float:
     """
     other = known.estimates.get(each.name)
     motor = known.identified
-    moved_A = between_ticks_A(known.drop_V, known.control_period_s, motor.L_d_H, motor.L_q_H)
+    L_H = 0.5 * (motor.L_d_H + motor.L_q_H)
+    moved_A = _MOVED * abs(known.drop_V) * known.control_period_s / L_H
     share = dict.fromkeys(_BY_RIPPLE, UNEXPLAINED) | {"J": moved_A / current_A}
     left = share.get(each.name, 0.0) * abs(each.estimate.value) / math.sqrt(3.0)
     return math.hypot(

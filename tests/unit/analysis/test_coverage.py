@@ -127,6 +127,15 @@ def test_what_a_sensor_took_off_is_within_its_uncertainty(name: str) -> None:
         assert found[measurement].verdict != "narrow", found[measurement]
 
 
+@pytest.mark.parametrize("name", ["excited_no_dead_time", *at_length("excited", "excited_long")])
+def test_inertia_and_friction_are_known_no_worse_than_they_err(name: str) -> None:
+    found = {each.measurement: each for each in scores(FAMILIES[name], 6)}
+    for measurement in ("motion_balance_J", "motion_balance_friction", "motion_balance_coulomb"):
+        assert found[measurement].answered >= 5
+        assert found[measurement].verdict != "narrow", found[measurement]
+        assert found[measurement].rms > 0.3, found[measurement]
+
+
 def test_numbers_that_are_exact_do_not_make_the_others_wide() -> None:
     """Nine of ten are known but for rounding, and stated so; one errs by as much as it says."""
 

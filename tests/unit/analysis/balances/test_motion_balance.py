@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from benchmarks.coverage.channels import MOTOR
+from benchmarks.coverage.excited import Excitation as Swing, Sensors, machine, record
 from benchtool.analysis import Window
 from benchtool.analysis.balances.flux_balance import flux_balance
 from benchtool.analysis.balances.motion_balance import MOTION_BALANCE, MotionBalanceSettings, motion_balance
@@ -50,3 +54,29 @@ def test_a_shaft_that_hardly_turns_is_refused() -> None:
     block = capture(Truth(), Excitation(i_q_A=2.0, i_q_Hz=150.0), 1500)
     with pytest.raises(AnalysisError, match="turn it faster"):
         motion_balance(block, EXAMPLE_MOTOR, flux_balance(block, EXAMPLE_MOTOR))
+
+
+def test_uncertainties_do_not_depend_on_how_far_off_the_belief_is() -> None:
+    truth = Truth(motor_with(J_kgm2=2e-3), friction_Nms=4e-3, coulomb_Nm=0.04)
+    block = capture(truth, FREE, 6000)
+    flux = flux_balance(block, EXAMPLE_MOTOR)
+    near, far = (
+        motion_balance(block, EXAMPLE_MOTOR.model_copy(update={"J_kgm2": each}), flux).solution
+        for each in (2e-3, 4e-3)
+    )
+    for name in ("J", "friction", "coulomb"):
+        assert far.value(name) == pytest.approx(near.value(name), abs=0.1 * near.standard(name))
+        assert far.standard(name) == pytest.approx(near.standard(name), rel=0.02)
+
+
+def test_dead_time_moves_the_current_between_the_ticks() -> None:
+    """All of the voltage is by dead time here, so that the friction is off by what is stated for that."""
+    random = np.random.default_rng(4)
+    what = replace(machine(random), dead_time_V=2.0)
+    read = Sensors(noise_A=1e-4, step_A=0.0, counts=0)
+    block = record(what, read, Swing(), 4000, random).block
+    found = motion_balance(block, MOTOR, flux_balance(block, MOTOR))
+    place = found.solution.names.index("friction")
+    moved = found.between_ticks[place]
+    assert moved > 10.0 * found.solution.standard("friction")
+    assert found.solution.value("friction") - what.friction == pytest.approx(moved, rel=0.3)
