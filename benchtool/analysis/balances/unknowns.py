@@ -168,7 +168,6 @@ def solve(
     spans: Floats,
     *,
     block_rows: int = _SHORTEST,
-    most_blocks: int = _BLOCKS,
 ) -> Solution:
     """Return a step of Gauss and Newton towards the unknowns of least squares, with the covariance there.
 
@@ -184,8 +183,7 @@ def solve(
         belief: where the prior lies, shape (n,).
         spans: of the unknowns, shape (n,).
         block_rows: least rows of a block, beyond which the covariance of errors is that of neighbouring
-            blocks.
-        most_blocks: the blocks are longer rather than more.
+            blocks; of many rows they are longer rather than more.
     """
     count = len(names)
     unit = PRIOR_SPANS * spans
@@ -199,7 +197,7 @@ def solve(
     step = inverse @ gradient
 
     scores = np.einsum("pmi,pm->mi", equations, left) / variance
-    size = max(block_rows, len(scores) // most_blocks)
+    size = max(block_rows, len(scores) // _BLOCKS)
     blocks = np.add.reduceat(scores, np.arange(0, len(scores), size), axis=0)
     dof = max(1.0, float(len(blocks) - count))
     moves = blocks @ inverse  # of the unknowns, by each block alone: their product has no negative variances
