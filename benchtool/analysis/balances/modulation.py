@@ -31,7 +31,7 @@ HOP: Final = 50
 
 _SPAN: Final = WINDOW + 2  # samples that a window takes
 _BESIDE: Final = (_SPAN - 1) // HOP  # windows that overlap one, on either side
-_SHARES: Final = 10.0 ** np.arange(-4.0, 6.5, 0.5)  # of the angle's noise in a window over the torque's
+_SHARES: Final = 10.0 ** np.arange(-4.0, 6.25, 0.25)  # of the angle's noise in a window over the torque's
 _ROUNDING: Final = 1e-9
 
 
@@ -71,13 +71,19 @@ class Modulation:
         """Return samples, shape (n,), in each window, shape (m, ticks)."""
         return np.asarray(_views(of_ticks)[self.starts // HOP], dtype=np.float64)
 
-    def whitened(self, columns: Floats, sides: Floats) -> tuple[Floats, Floats]:
+    def whitened(self, columns: Floats, sides: Floats, least_Nm: float = 0.0) -> tuple[Floats, Floats]:
         """Return equations of the windows, shapes (m, unknowns) and (m, sides), turned so that their errors
         are uncorrelated and of one variance, under the ratio of the noise of angle and torque that is the
-        likeliest by the first side."""
+        likeliest by the first side.
+
+        The torque has no less noise than `least_Nm` in each sample: few windows do not tell it beside the
+        angle's, and may be as likely without any.
+        """
         of_torque, of_angle = (self._covariance(each) for each in (self.weight, self.second))
-        turned = (_turned(of_torque + share * of_angle, columns, sides) for share in _SHARES)
-        best = min(turned, key=lambda each: each.minus_log_likelihood)
+        least = least_Nm**2 * float(np.sum(self.weight**2))
+        turned = [_turned(of_torque + share * of_angle, columns, sides) for share in _SHARES]
+        possible = [each for each in turned if each.variance >= least] or turned[:1]
+        best = min(possible, key=lambda each: each.minus_log_likelihood)
         return best.columns, best.sides
 
     def _covariance(self, weight: Floats) -> Floats:
@@ -95,11 +101,12 @@ class Modulation:
 
 @dataclass(frozen=True)
 class _Turned:
-    """Equations with uncorrelated errors, and twice the negative logarithm of the restricted likelihood of
-    their first side."""
+    """Equations with uncorrelated errors, the variance of these in the first side, and twice the negative
+    logarithm of its restricted likelihood."""
 
     columns: Floats
     sides: Floats
+    variance: float
     minus_log_likelihood: float
 
 
@@ -116,7 +123,8 @@ def _turned(covariance: Floats, columns: Floats, sides: Floats) -> _Turned:
     freedom = max(1, len(rest) - int(np.count_nonzero(kept)))
     variance = max(float(np.sum(rest**2)) / freedom, sys.float_info.min)
     minus_log = freedom * math.log(variance) + 2.0 * float(np.sum(np.log(factor[0])))
-    return _Turned(of_columns, of_sides, minus_log + 2.0 * float(np.sum(np.log(sizes[kept]))))
+    minus_log += 2.0 * float(np.sum(np.log(sizes[kept])))
+    return _Turned(of_columns, of_sides, variance, minus_log)
 
 
 def _views(of_ticks: NDArray[np.float64] | NDArray[np.int64]) -> NDArray[np.float64] | NDArray[np.int64]:

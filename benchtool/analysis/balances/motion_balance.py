@@ -135,7 +135,9 @@ def motion_balance(
     friction_Nm = _SPAN_OF_FRICTION * motor.T_N_Nm
     of_shaft = (motor.J_kgm2, friction_Nm / motor.omega_m_N_rad_s, friction_Nm, friction_Nm)
     spans = np.array([*of_shaft, *len(cogging) * (friction_Nm,)])
-    white, sides = windows.whitened(columns, np.column_stack([impulse, impulse + moved]))
+    # half the error of a current predicted from a tick to the next is the noise of one axis at one of them
+    noise_Nm = 1.5 * motor.pole_pairs * flux.estimate.psi_r * 0.5 * flux.error_A[0]
+    white, sides = windows.whitened(columns, np.column_stack([impulse, impulse + moved]), noise_Nm)
     solution, beside = (_solved(names, white, side, believed, spans) for side in sides.T)
     left = (impulse - columns @ solution.values) / impulse_s
     return MotionBalance(

@@ -48,7 +48,7 @@ def test_errors_of_whitened_windows_are_those_of_least_squares(torque_Nm: float,
     slow = found.samples(np.sin(2.0 * np.pi * 6.0 * T_S * np.arange(ticks))) @ found.weight
     columns = np.column_stack([slow, np.full(len(slow), np.sum(found.weight))])
     errors = []
-    for _ in range(60):
+    for _ in range(40):
         noise = found.samples(torque_Nm * random.standard_normal(ticks)) @ found.weight
         noise += inertia * found.samples(angle_rad * random.standard_normal(ticks)) @ found.second
         turned, left = found.whitened(columns, noise[:, np.newaxis])
@@ -57,3 +57,22 @@ def test_errors_of_whitened_windows_are_those_of_least_squares(torque_Nm: float,
         errors.append(estimate / np.sqrt(variance * np.diag(np.linalg.inv(turned.T @ turned))))
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert np.all((rms > LEAST_RMS) & (rms < LARGEST_RMS)), rms
+
+
+def test_few_windows_do_not_take_noise_of_the_torque_for_that_of_the_angle() -> None:
+    """They are as likely without any, and a load would be known better than that many torques tell it."""
+    random = np.random.default_rng(5)
+    ticks, torque_Nm, inertia_rad = 1300, 5e-3, 3e-7
+    found = windows(ticks)
+    columns = np.full((len(found.starts), 1), np.sum(found.weight))
+    standard: dict[float, list[float]] = {0.0: [], torque_Nm: []}
+    for _ in range(20):
+        noise = found.samples(torque_Nm * random.standard_normal(ticks)) @ found.weight
+        noise += found.samples(inertia_rad * random.standard_normal(ticks)) @ found.second
+        for least_Nm, of_load in standard.items():
+            turned, left = found.whitened(columns, noise[:, np.newaxis], least_Nm)
+            _, rest, *_ = np.linalg.lstsq(turned, left[:, 0], rcond=None)
+            of_load.append(np.sqrt(rest[0] / (len(left) - 1) / np.sum(turned**2)))
+    best = torque_Nm / np.sqrt(ticks)
+    untold, told = (min(each) for each in standard.values())
+    assert untold < best < told
