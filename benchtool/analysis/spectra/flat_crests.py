@@ -18,14 +18,14 @@ from benchtool.analysis.measurement import Measurement
 
 Floats = NDArray[np.float64]
 
-_PLACES, _FEWEST_PLACES = 240, 60  # of a period
+_PLACES, _FEWEST_PLACES, _FEWER = 240, 60, 0.9  # of a period; how many of them next
 _SAMPLES, _FEWEST_SAMPLES = 6, 3  # at a place: on average, and at least
 _FEWEST_PERIODS = 3.0
 _AT_THE_CREST = 0.025  # of a period to either side of the greatest
 _LEVEL = 4.0  # standard uncertainties of the mean at a place, over some of which a level crest stays
-_SHORTEST = 0.05  # of a period: a shorter one is not told from a round one
+_SHORTEST = 7  # places: of fewer a level crest is not told from a round one
 _BEYOND, _FALLS = 0.25, 5.0  # of half of the stretch; times its tolerance: a round crest falls by 2.4
-_PASSES = 3
+_PASSES = 10
 
 
 def flat_crest(samples: Floats, turns: Floats, step: float = 0.0) -> float:
@@ -35,18 +35,12 @@ def flat_crest(samples: Floats, turns: Floats, step: float = 0.0) -> float:
     `turns`, shape (n,), are the periods passed, and `step` that of a converter, of which a level may hold a
     whole one.
     """
-    places = min(_PLACES, len(samples) // _SAMPLES)
-    if places < _FEWEST_PLACES or float(turns[-1] - turns[0]) < _FEWEST_PERIODS:
+    if float(turns[-1] - turns[0]) < _FEWEST_PERIODS:
         return 0.0
-    place = places * np.mod(turns, 1.0)
-    at = np.minimum(place.astype(np.int64), places - 1)
-    count = np.bincount(at, minlength=places)
-    if np.min(count) < _FEWEST_SAMPLES:
+    folded = _folded(samples, turns)
+    if folded is None:
         return 0.0
-    wave = np.bincount(at, samples, places) / count
-    slope = 0.5 * (np.roll(wave, -1) - np.roll(wave, 1))
-    left = samples - wave[at] - slope[at] * (place - at - 0.5)
-    error = np.sqrt(np.bincount(at, left**2, places)) / count
+    wave, error = folded
     return max(_level_share(sign * wave, error, step) for sign in (1.0, -1.0))
 
 
@@ -71,6 +65,41 @@ def flat_crest_remark(measurements: Iterable[Measurement]) -> str:
     return crest_is_flat(shares[0]) if shares else ""
 
 
+def _folded(samples: Floats, turns: Floats) -> tuple[Floats, Floats] | None:
+    """Return the mean at each place of a period and its standard uncertainty, both of shape (places,); None
+    where too few samples are at them.
+
+    Of a period of about a whole number of rows the samples are at the same places in each: there are as
+    many places as that leaves none of them without samples.
+    """
+    places = min(_PLACES, len(samples) // _SAMPLES)
+    phase = np.mod(turns, 1.0)
+    while places >= _FEWEST_PLACES:
+        place = places * phase
+        at = np.minimum(place.astype(np.int64), places - 1)
+        count = np.bincount(at, minlength=places)
+        if np.min(count) >= _FEWEST_SAMPLES:
+            break
+        places = int(_FEWER * places)
+    else:
+        return None
+    beside = place - at - 0.5
+    wave = np.bincount(at, samples, places) / count
+    slope = _slope(wave)
+    left = samples - wave[at] - slope[at] * beside
+    left -= (np.bincount(at, left, places) / count)[at]
+    wave -= slope * np.bincount(at, beside, places) / count
+    return wave, np.sqrt(np.bincount(at, left**2, places)) / count
+
+
+def _slope(wave: Floats) -> Floats:
+    """Return the slope of a waveform from place to place, shape (places,): that to the side of which it is
+    less, so that beside a corner a level has none."""
+    ahead = np.roll(wave, -1) - wave
+    behind = np.roll(ahead, 1)
+    return np.where(ahead * behind > 0.0, np.sign(ahead) * np.minimum(np.abs(ahead), np.abs(behind)), 0.0)
+
+
 def _level_share(wave: Floats, error: Floats, step: float) -> float:
     """Return the share of a period for which a waveform, shape (places,), is level at its greatest."""
     places = len(wave)
@@ -81,13 +110,24 @@ def _level_share(wave: Floats, error: Floats, step: float) -> float:
     tolerance = _LEVEL * float(np.median(error[middle - near : middle + near + 1])) + 0.5 * step
     level, first, last = float(wave[middle]), middle, middle
     for _ in range(_PASSES):  # the greatest of a level crest is above its mean
-        away = np.flatnonzero(np.abs(wave - level) > tolerance)
-        first = int(np.max(away[away < middle], initial=-1)) + 1
-        last = int(np.min(away[away > middle], initial=places)) - 1
+        known = first, last
+        first, last = _longest(np.abs(wave - level) <= tolerance)
         level = float(np.mean(wave[first : last + 1]))
+        if (first, last) == known:
+            break
     length = last - first + 1
     beyond = math.ceil(0.5 * _BEYOND * length)
-    if length < _SHORTEST * places or not beyond <= first <= last < places - beyond:
+    if length < _SHORTEST or not beyond <= first <= last < places - beyond:
         return 0.0
-    fallen = level - max(float(wave[first - beyond]), float(wave[last + beyond]))
+    before, after = wave[first - beyond : first], wave[last + 1 : last + 1 + beyond]
+    fallen = level - max(float(np.min(before)), float(np.min(after)))
     return length / places if fallen > _FALLS * tolerance else 0.0
+
+
+def _longest(is_level: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the first and the last of the longest run of places that are level: of a crest with a dip there
+    is one on either side."""
+    edges = np.diff(np.concatenate([[False], is_level, [False]]).astype(np.int8))
+    begins, ends = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    longest = int(np.argmax(ends - begins))
+    return int(begins[longest]), int(ends[longest]) - 1

@@ -68,6 +68,26 @@ def test_a_crest_that_goes_on_falling_slowly_to_one_side_has_no_corner_there() -
     assert found(creeping, 1e-3) == 0.0
 
 
+@pytest.mark.parametrize("rows", [62.5, 125.0, 200.0, 200.0003, 240.0, 400.0])
+@pytest.mark.parametrize("clip", [0.8, 0.9, math.inf])
+def test_a_period_of_a_whole_number_of_rows(rows: float, clip: float) -> None:
+    random = np.random.default_rng(5)
+    theta = angle(random, COUNT / rows)
+    read = np.clip(np.cos(theta), -clip, clip) + 1e-3 * random.standard_normal(COUNT)
+    share = math.acos(min(clip, 1.0)) / math.pi
+    assert flat_crest(read, theta / (2 * np.pi)) == pytest.approx(share, abs=0.03)
+
+
+def test_a_crest_that_is_level_on_both_sides_of_a_dip() -> None:
+    def wave(theta: Floats) -> Floats:
+        humps = (0.05, 5, 2.8), (0.03, 7, 5.6), (0.03, 11, 1.0)
+        return np.asarray(np.cos(theta) + sum(size * np.cos(k * theta + by) for size, k, by in humps))
+
+    crest = float(np.max(wave(np.linspace(0.0, 2 * np.pi, 10_000))))
+    for seed in range(4):
+        assert found(wave, 1e-4, clip=0.9 * crest, seed=seed) == pytest.approx(0.14, abs=0.01)
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize(
     "wave",
