@@ -177,7 +177,7 @@ SECTIONS: Final = (
         "Gain, offset, bandwidth, resolution, calibration and sample times of the instruments, in every "
         "number that they touch (`benchtool.analysis.sensors`).",
         """
-        0062 0269 0063 0064 0216 0402 0435 0253 0268 0254 0069 0079
+        0062 0269 0063 0064 0216 0402 0435 0253 0268 0254 0069 0079 0394 0485 0522
         """,
     ),
     Section(
@@ -185,7 +185,7 @@ SECTIONS: Final = (
         "What quantisation does to a number, and how its step is found (`benchtool.analysis.quantisation`).",
         """
         0046 0076 0222 0279 0282 0291 0249 0378 0239 0371 0465
-        0345 0342 0331 0181 0339 0365 0377 0409 0475 0427 0468 0505 0394 0485 0522
+        0345 0342 0331 0181 0339 0365 0377 0409 0475 0427 0468 0505
         """,
     ),
     Section(

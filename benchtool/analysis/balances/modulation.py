@@ -69,7 +69,7 @@ class Modulation:
 
     def samples(self, of_ticks: Floats) -> Floats:
         """Return samples, shape (n,), in each window, shape (m, ticks)."""
-        return np.asarray(_views(of_ticks)[self.starts // HOP], dtype=np.float64)
+        return np.asarray(_views(of_ticks)[self.starts // HOP])
 
     def whitened(self, columns: Floats, sides: Floats, least_Nm: float = 0.0) -> tuple[Floats, Floats]:
         """Return equations of the windows, shapes (m, unknowns) and (m, sides), turned so that their errors
@@ -127,6 +127,6 @@ def _turned(covariance: Floats, columns: Floats, sides: Floats) -> _Turned:
     return _Turned(of_columns, of_sides, variance, minus_log)
 
 
-def _views(of_ticks: NDArray[np.float64] | NDArray[np.int64]) -> NDArray[np.float64] | NDArray[np.int64]:
+def _views(of_ticks: NDArray[np.float64] | NDArray[np.int64]) -> Floats:
     """Return the samples of every window, shape (windows, ticks)."""
-    return np.lib.stride_tricks.sliding_window_view(of_ticks, _SPAN)[::HOP]
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(of_ticks, _SPAN)[::HOP], dtype=np.float64)

@@ -18,7 +18,7 @@ def windows(ticks: int) -> Modulation:
 def test_an_even_acceleration_is_found_to_rounding() -> None:
     """By sampled derivatives of the curve it would be 2e-4 off."""
     found = windows(600)
-    time_s = T_S * np.arange(600)
+    time_s = T_S * np.arange(600.0)
     angle = found.samples(0.5 * 800.0 * time_s**2 + 30.0 * time_s + 1.0)
     assert angle @ found.second == pytest.approx(800.0 * np.sum(found.weight), rel=1e-9)
     speed = found.samples(800.0 * time_s + 30.0) @ found.weight
