@@ -367,7 +367,8 @@ class NoisyCurve:
         A curve that turns back just within a level of a converter may leave the band there or not: which it
         is, is what most draws make of it. Where noise reads the last level outside there and back, the curve
         enters after as many rows as are outside. That noise alone may make the last lobe leave the band, or
-        keeps it within, is in the uncertainty.
+        keeps it within, is in the uncertainty. Where the curve leaves the band once more while it still
+        rings, by noise or by itself, the instant is half way between both entries.
         """
         if len(self.errors) and not self.is_on_levels:
             return self._settled(self.values - level, band, since)
@@ -397,8 +398,13 @@ class NoisyCurve:
         drawn = (last_passage(settled.without_noise(course + each), 0.0, band) for each in self.errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         instant = Passage(found.place, found.reach, places).instant
-        of_lobes = rms_beyond_lobes(course, self.errors, self.standard, band, found.place, places)
-        return replace(instant, standard=math.hypot(instant.standard, of_lobes))
+        # it falls and is there at once, or rises in between and is there later: one is as likely as the other
+        rings = settled.with_rises(course, away)
+        later = last_passage(rings, 0.0, band)
+        of_rise = 0.0 if later is None else 0.5 * max(0.0, later.place - found.place)
+        of_lobes = rms_beyond_lobes(rings, self.errors, self.standard, band, found.place, places)
+        standard = math.hypot(instant.standard, of_lobes, of_rise)
+        return replace(instant, place=found.place + of_rise, standard=standard)
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

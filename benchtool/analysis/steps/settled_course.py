@@ -71,3 +71,8 @@ class SettledCourse:
         is_lobe = is_soon & (rest < _SURE * standard - self.band)
         course = np.where((np.abs(falls - rest) <= noise) & ~is_lobe, falls, rest)
         return np.concatenate([away[: self.last], self.sign * course])
+
+    def with_rises(self, course: Floats, away: Floats) -> Floats:
+        """Return a course `without_noise`, shape (n,), that rises as the curve itself does while it may still
+        ring: within the noise an answer that creeps and rings at once does so as well."""
+        return np.concatenate([away[: self.soon], course[self.soon :]])

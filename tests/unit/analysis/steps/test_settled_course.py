@@ -105,3 +105,19 @@ def test_a_lobe_that_may_ring_stays_where_noise_may_hide_how_far_it_goes() -> No
     ):
         away = lag - depth * np.exp(-0.5 * ((ROWS - at) / 8.0) ** 2)
         assert (np.min(found.without_noise(away)[120:]) < -0.9 * depth) == stays
+
+
+def test_an_answer_that_creeps_and_rings_may_leave_the_band_once_more() -> None:
+    random = np.random.default_rng(7)
+    turn = 2.0 * np.pi * ROWS / 168.0
+    rings = 15.0 * np.exp(-ROWS / 221.0) * (np.cos(turn) + 0.12 * np.sin(turn))
+    answer = -BAND * (5.0 * np.exp(-ROWS / 600.0) + rings)
+    true = float(np.flatnonzero(np.abs(answer) > BAND)[-1])
+    relative = []
+    for _ in range(40):
+        read = NoisyCurve(answer + 0.4 * noise(random, 1)[0], 0.4 * noise(random, DRAWS))
+        found = read.last_outside(0.0, BAND)
+        assert found is not None
+        relative.append((found.place - true) / found.standard)
+    assert np.sqrt(np.mean(np.square(relative))) < 1.4
+    assert np.mean(np.abs(relative) < 2.0) >= 0.9
