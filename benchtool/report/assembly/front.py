@@ -198,7 +198,7 @@ def _warnings(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Ite
         for group, each in judged_together(run.repeated)
         if each.missed
     ]
-    yield from (Text(f"{text[0].upper()}{text[1:]}.", "warning") for text in told[:_MOST_TOLD])
+    yield from (Text(f"{text}.", "warning") for text in told[:_MOST_TOLD])
     if len(told) > _MOST_TOLD:
         yield Text(f"{len(told) - _MOST_TOLD} more of these stand with their cases.", "warning")
     against = Counter(
