@@ -72,7 +72,7 @@ class Assessment:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Oddities of what was recorded that do not prevent measurements, a sentence each."""
+        """Remarks on the recorded signals that do not prevent measurements, a sentence each."""
         return signal_remarks(self.measurements)
 
     @property

@@ -122,7 +122,7 @@ class BlockResult:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Oddities of what was recorded that do not prevent measurements, a sentence each."""
+        """Remarks on the recorded signals that do not prevent measurements, a sentence each."""
         return signal_remarks(self.measurements)
 
     def to_json(self) -> dict[str, Any]:

@@ -203,7 +203,8 @@ def current_unbalance(
     sequences = [_Sequence(each, first.periods, in_time) for each in rotating]
     image = np.conj(_course(sequences[0])) * turn**2
     sequences[1] = replace(sequences[1], samples=sequences[1].samples - image)
-    steps = _of_steps(parts, columns, tones)
+    resolutions = [resolution(each) for each in columns]
+    steps = _of_steps(parts, columns, tones, resolutions)
     positive = _component(sequences[0], steps, beside=sequences[1])
     # which lowers all components alike
     lost = positive.magnitude * gain_error(first.periods / first.samples) / math.sqrt(3.0)
@@ -224,7 +225,7 @@ def current_unbalance(
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     numbers = _numbers(components, beside, channels, block.unit(channels[0]), basis, reason)
-    if share := max(flat_crest(each, turns, resolution(each)) for each in columns):
+    if share := max(flat_crest(each, turns, step) for each, step in zip(columns, resolutions, strict=True)):
         return tuple(with_flat_crest(each, share) for each in numbers)
     return tuple(numbers)
 
@@ -265,6 +266,7 @@ def _of_steps(
     parts: Sequence[CoherentSamples],
     columns: Sequence[NDArray[np.float64]],
     tones: Sequence[Interharmonics | None],
+    resolutions: Sequence[float],
 ) -> float:
     """Return the standard uncertainty of either part of a sequence component by the steps of a converter that
     are the same in every period: of three channels, each with its own, a third of their root sum of squares.
@@ -275,8 +277,7 @@ def _of_steps(
     hold a whole number of samples: it moves nothing.
     """
     square = 0.0
-    for part, samples, beside in zip(parts, columns, tones, strict=True):
-        step = resolution(samples)
+    for part, samples, beside, step in zip(parts, columns, tones, resolutions, strict=True):
         if not step > 0.0:
             continue
         spectrum = spectrum_of(part)
