@@ -21,15 +21,6 @@ from benchtool.tables.lost import Lost
 from benchtool.tables.record import Record, time_base_of
 
 
-class KeptLoss(Section):
-    """What is missing among the rows, see `Lost`."""
-
-    left_out: dict[str, int] = Field(default_factory=dict)
-    within: int = 0
-    reasons: dict[str, str] = Field(default_factory=dict)
-    first: str = ""
-
-
 class KeptTable(Section):
     """What the numbers of a table rest on beside its rows: `columns` are the kinds of those behind the time,
     with their names in the file, `joined` says why the rows are no one record, `bench` has the sensors by
@@ -44,13 +35,13 @@ class KeptTable(Section):
     is_of_phase: bool = False
     analyses: dict[str, dict[str, Any]] = Field(default_factory=dict)
     joined: str = ""
-    lost: KeptLoss = defaults(KeptLoss)
+    lost: Lost = Lost()
     bench: Bench = defaults(Bench)
 
     @classmethod
     def of(cls, record: Record, joined: str, bench: Bench) -> KeptTable:
         """Return what is kept of a record."""
-        question, lost = record.question, record.lost
+        question = record.question
         return cls(
             columns={what: channel.name for what, channel in record.channels.items()},
             pole_pairs=question.pole_pairs,
@@ -61,9 +52,7 @@ class KeptTable(Section):
             is_of_phase=question.is_of_phase,
             analyses={name: dict(settings) for name, settings in record.analyses.items()},
             joined=joined,
-            lost=KeptLoss(
-                left_out=dict(lost.left_out), within=lost.within, reasons=dict(lost.reasons), first=lost.first
-            ),
+            lost=record.lost,
             bench=bench,
         )
 
@@ -109,13 +98,12 @@ class KeptTable(Section):
             is_of_phase=self.is_of_phase,
             bench=self.bench,
         )
-        lost = Lost(self.lost.left_out, self.lost.within, self.lost.reasons, self.lost.first)
         named = {
             what: Channel(name, channel.unit)
             for (what, name), channel in zip(self.columns.items(), channels, strict=True)
         }
         base = time_base_of(rows.data, self.joined)
-        return Record(rows.data, base, named, question, lost, analyses=self.analyses)
+        return Record(rows.data, base, named, question, self.lost, analyses=self.analyses)
 
     def measured_again(self, rows: Block) -> tuple[tuple[Measurement, ...], tuple[Table, ...]]:
         """Return measurements and tables of the rows.
