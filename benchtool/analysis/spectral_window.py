@@ -19,6 +19,8 @@ _COEFFICIENTS: dict[WindowName, tuple[float, ...]] = {
     "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
 }
 
+_ON_POLE = 1e-7  # bins
+
 
 def spectral_window(name: WindowName, count: int) -> NDArray[np.float64]:
     """Return the weights of `count` samples, shape (count,)."""
@@ -27,3 +29,12 @@ def spectral_window(name: WindowName, count: int) -> NDArray[np.float64]:
     for k, coefficient in enumerate(_COEFFICIENTS[name]):
         weights += coefficient * np.cos(k * phi)
     return weights[:-1] if count > 1 else np.ones(count)
+
+
+def hann_response(apart: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Return the response of a Hann window of many samples at distances in bins from a line, relative to its
+    crest, with the phase as in the middle of the record: sinc(d) / (1 - d^2), which is 1/2 at d = 1 (Harris,
+    section IV)."""
+    pole = np.abs(np.abs(apart) - 1.0) < _ON_POLE
+    away = np.where(pole, apart + 2.0 * _ON_POLE, apart)
+    return np.asarray(np.sinc(away) / (1.0 - away**2))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.lines.line_models import middle_bins
+from benchtool.analysis.spectral_window import hann_response
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -29,7 +30,6 @@ _CLUSTER = 14  # bins on either side in which lines beside a line are fitted
 _STANDS_OUT, _LINES_ALONE = 5.0, 0.2  # of the noise further away; of what there is without the lines
 _MOST_UNKNOWNS = 0.7  # of the bins
 _ROUNDS, _STEP = 3, 1e-3  # of the fit; bins
-_ON_BIN = 1e-6
 _ROUNDING = 1e-13  # of a line, by the Fourier transform
 
 
@@ -105,8 +105,8 @@ def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Sur
     in_the_middle = middle_bins(bins, number)  # there size and place are independent
     for _ in range(_ROUNDS):
         apart = number[:, np.newaxis] - places
-        steeper = (_response(apart + _STEP) - _response(apart - _STEP)) / (2.0 * _STEP)
-        basis = np.concatenate([_response(apart), steeper], axis=1)
+        steeper = (hann_response(apart + _STEP) - hann_response(apart - _STEP)) / (2.0 * _STEP)
+        basis = np.concatenate([hann_response(apart), steeper], axis=1)
         found = np.linalg.lstsq(basis, in_the_middle, rcond=None)[0]
         amplitudes, moved = found[: len(places)], found[len(places) :]
         rest = in_the_middle - basis @ found
@@ -114,14 +114,6 @@ def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Sur
     own = int(np.argmin(np.abs(peaks - place)))
     left = math.sqrt(float(np.sum(np.abs(rest) ** 2)) / (len(number) - basis.shape[1]))
     return Surrounded(float(places[own]), float(np.abs(amplitudes[own])), left, noise)
-
-
-def _response(apart: Floats) -> Floats:
-    """Return the Hann window's response at distances in bins from a line, relative to its crest, with the
-    phase as in the middle of the record."""
-    pole = np.abs(np.abs(apart) - 1.0) < _ON_BIN
-    apart = np.where(pole, apart + 2.0 * _ON_BIN, apart)
-    return np.asarray(np.sinc(apart) / (1.0 - apart**2))
 
 
 def interpolated(size: Floats, place: int) -> tuple[float, float]:
@@ -136,4 +128,4 @@ def line_at(size: Floats, place: int) -> tuple[float, float]:
     """Return how far a line is from its greatest bin, in bins, and its amplitude, by the response of a Hann
     window at that distance."""
     offset, _ = interpolated(size, place)
-    return offset, float(size[place]) / (float(np.sinc(offset)) / (1.0 - offset**2))
+    return offset, float(size[place] / hann_response(offset))

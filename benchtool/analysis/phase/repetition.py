@@ -16,6 +16,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples
+from benchtool.analysis.spectral_window import hann_response
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -103,10 +104,10 @@ def _phasors(coherent: CoherentSamples, highest: int) -> Complex:
 
 def _leaked(phase_rad: Floats, order: NDArray[np.int64]) -> Floats:
     """Return what a fundamental of amplitude 1 whose phase, shape (periods - 1,), turns against the periods
-    leaks to harmonics, shape (orders,), by the spectrum of a Hann window: sinc(d) / (1 - d^2) at d bins."""
+    leaks to harmonics, shape (orders,), by the spectrum of a Hann window."""
     turned = float(np.sqrt(np.mean(np.diff(phase_rad) ** 2))) / np.pi  # bins of two periods
     apart = np.stack([2.0 * (order - 1.0) - turned, 2.0 * (order + 1.0) + turned])
-    return np.asarray(np.sum(np.abs(np.sinc(apart) / (1.0 - apart**2)), axis=0))
+    return np.asarray(np.sum(np.abs(hann_response(apart)), axis=0))
 
 
 def _beside(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.lines.around_lines import interpolated
 from benchtool.analysis.sensors.lag import Response
+from benchtool.analysis.spectral_window import hann_response
 
 Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]
@@ -178,7 +179,7 @@ class Waveform:
         """
         off, ratio = interpolated(self.sizes, place)
         off = off if ratio > 0.5 else 0.0  # less is noise's
-        of_window = 0.25 * (len(self.samples) - 1) * float(np.sinc(off)) / (1.0 - off**2)
+        of_window = 0.25 * (len(self.samples) - 1) * float(hann_response(off))
         # the window's middle is half a record from its beginning
         return place + off, complex(self.bins[place]) / of_window * np.exp(-1j * np.pi * off)
 
