@@ -26,11 +26,24 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
-from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.lines.close_distances import likely_fits
 from benchtool.analysis.noise.converter_lines import aliased_quantisation
 from benchtool.analysis.noise.noise import harmonic_noise
-from benchtool.analysis.spectra.interharmonics import Interharmonics, dirichlet_kernel, sinusoid
+from benchtool.analysis.spectra.harmonic_movement import (
+    SIZES,
+    Movement,
+    evenly,
+    evenly_by_noise,
+    movements_of,
+    parts_of,
+)
+from benchtool.analysis.spectra.interharmonics import Interharmonics, sinusoid
+from benchtool.analysis.spectra.line_beside import (
+    DOF_OF_FLOOR,
+    Kernel,
+    LineFit,
+    kernel_along_phase,
+    kernel_in_time,
+)
 from benchtool.analysis.spectra.moving_tones import Course, MovingTone
 
 Floats = NDArray[np.float64]
@@ -38,19 +51,11 @@ Complex = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 _REACH = 8  # bins to either side
-_FARTHEST = 1.5  # bins: what is farther away is between the harmonics
-_STANDS_OUT = 5.0  # of the noise, of harmonics that tell what the speed does
 _BEFORE = 0.02  # one line beside fifty harmonics
-_SIZES = math.log(1e4)  # of any amplitude from the noise to ten thousand times as much, in the logarithm
-_LEAST_SHARE, _ILL_FITTED = 0.01, 1e-3
-_DOF_OF_FLOOR = 40.0  # of a median of some forty squares, at least
-_DISTANCES = 241
-_ON_HARMONIC = 1e-9  # bins
-_KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
+_LEAST_SHARE = 0.01
+_BY_ITSELF = 5.0  # times as likely as a line: the angle between the fundamental and all others moves
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
-_MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
-_EXACTLY = 1e-3  # of a line: resampling, and what is left of the phase
-_MOVES, _POINTS = 0.01, 512  # periods of a line steady in time, along the phase; places of its course
+_MOVES = 0.01  # periods of a line steady in time, along the phase
 
 
 @dataclass(frozen=True)
@@ -157,18 +162,6 @@ def _made(found: Mapping[int, _Line], number: Integers, count: int) -> Complex:
     return made
 
 
-@dataclass(frozen=True)
-class _Motions:
-    """What may move the relative amplitude and the phase of a harmonic as it moves others, in the bins above
-    it, both of shape (motions, reach), and the mean squares of the noise in these, both of shape
-    (motions,)."""
-
-    amplitude: Complex
-    phase: Complex
-    of_amplitude2: Floats
-    of_phase2: Floats
-
-
 def _stands_out(around: Complex, floor2: Floats) -> NDArray[np.bool_]:
     """Return which harmonics may have a line beside, shape (harmonics,), of the bins `around` them, shape
     (harmonics, 2 reach + 1), with mean squares `floor2` of noise.
@@ -178,34 +171,12 @@ def _stands_out(around: Complex, floor2: Floats) -> NDArray[np.bool_]:
     reach = around.shape[1] // 2
     size2 = np.abs(around[:, reach]) ** 2
     known = (floor2 > 0.0) & (size2 > 0.0)  # nan is not
-    _, of_phase = _parts(around[known])
-    moved = _moves(of_phase.real) / _of_moves(floor2[known] / size2[known], reach)
+    _, of_phase = parts_of(around[known])
+    moved = np.abs(evenly(of_phase)) / evenly_by_noise(0.5 * floor2[known] / size2[known], reach)
     found = known.copy()
     found[known] = _share(moved) >= _LEAST_SHARE
     found[0] = known[0]
     return found
-
-
-def _parts(around: Complex) -> tuple[Complex, Complex]:
-    """Return what moves the relative amplitude of harmonics, and what moves their phase, in the bins above
-    them, both of shape (..., reach), of all bins around them, shape (..., 2 reach + 1)."""
-    reach = around.shape[-1] // 2
-    relative = around / around[..., reach, np.newaxis]
-    upper, lower = relative[..., reach + 1 :], np.conj(relative[..., :reach][..., ::-1])
-    return 0.5 * (upper + lower), 0.5 * (upper - lower)
-
-
-def _moves(of_phase: Floats) -> Floats:
-    """Return by how much phases move evenly, over 2 pi, of what moves them, shape (..., reach)."""
-    weight = 1.0 / np.arange(1.0, of_phase.shape[-1] + 1.0)
-    return np.asarray(np.abs(of_phase @ weight) / float(weight @ weight))
-
-
-def _of_moves(relative2: Floats, reach: int) -> Floats:
-    """Return the standard deviation of that by noise of these mean squares in a bin, relative to the
-    harmonic."""
-    weight = 1.0 / np.arange(1.0, reach + 1.0)
-    return np.sqrt(0.25 * relative2 / float(weight @ weight))
 
 
 def _beside(
@@ -221,38 +192,37 @@ def _beside(
     size2 = float(np.abs(around[index, reach]) ** 2)
     if not (floor2[index] > 0.0 and size2 > 0.0):
         return None
-    motions = _motions(around, floor2, index)
-    if motions is None:
+    movements = movements_of(around, floor2, index, int(number[reach]))
+    if not movements:
         return None
-    noise2 = floor2[index] + size2 * motions.of_phase2
-    of_moves = _of_moves(noise2 / size2, reach)
-    moved = float(np.min(_moves((_parts(around[index])[1] - motions.phase).real) / of_moves))
-    share = float(_share(moved))
-    if share < _LEAST_SHARE:
+    moved = min(each.moved for each in movements)
+    moves = float(_share(moved))
+    if moves < _LEAST_SHARE:
         return None
-    above, below = motions.amplitude + motions.phase, np.conj(motions.amplitude - motions.phase)
-    moves = np.concatenate([below[:, ::-1], np.zeros((len(noise2), 1)), above], axis=1)
-    left, left2 = around[index] - around[index, reach] * moves, noise2 + size2 * motions.of_amplitude2
-    best = _best_fit(left, number, left2, partial(_kernel, reach=reach, count=count))
+    fundamental = float(np.abs(around[0, reach]))
+    best = _best_fit(movements, fundamental, partial(kernel_along_phase, reach=reach, count=count))
     in_time = False
     if course is not None and _moves_in_time(course, number):
-        in_time_alone = lru_cache(partial(_kernel_in_time, number=number, course=course))
-        other = _best_fit(left, number, left2, in_time_alone)
+        in_time_alone = lru_cache(
+            partial(kernel_in_time, number=int(number[reach]), reach=reach, course=course)
+        )
+        other = _best_fit(movements, fundamental, in_time_alone)
         in_time = other.explains > best.explains
         best = other if in_time else best
-    of_move = float(of_moves[-1]) * math.sqrt(share * (1.0 + (1.0 - share) * moved**2))
-    line = replace(best.line(share), turned_rad=2.0 * math.pi * of_move)
+    found = best.line(moves, 0.0 if index else _BY_ITSELF)
+    of_move = movements[-1].evenly_by_noise * math.sqrt(found.share * (1.0 + (1.0 - found.share) * moved**2))
+    line = _Line(found.place, found.phasor, found.standard, 2.0 * math.pi * of_move)
     if not in_time or not line.phasor or course is None:
         return line
     return replace(line, transformed=fft.fft(line.tone.at(course)) / count)
 
 
 def _best_fit(
-    left: Complex, number: Integers, noise2: Floats, kernel: Callable[[float, float], _Kernel]
-) -> _Fit:
-    """Return the fit that explains most of bins, shape (motions, 2 reach + 1), of those that noise of these
-    mean squares, shape (motions,), may leave, or else of all."""
-    fits = [_Fit.of(each, number, float(each2), kernel) for each, each2 in zip(left, noise2, strict=True)]
+    movements: Sequence[Movement], fundamental: float, kernel: Callable[[float, float], Kernel]
+) -> LineFit:
+    """Return the fit that explains most of what moves a harmonic, of those that noise may leave, or else of
+    all."""
+    fits = [LineFit.of(each, fundamental, kernel) for each in movements]
     return max(fits, key=lambda each: (not each.is_ill, each.explains))
 
 
@@ -268,175 +238,6 @@ def _share(moved: Floats | float) -> Floats:
     is exp(x^2 / 2) sqrt(2 pi) / (2 L x), here of Student's distribution, as the noise is not quite known.
     """
     above = np.maximum(moved, 1.0)
-    likely = 0.5 * (_DOF_OF_FLOOR + 1.0) * np.log1p(above**2 / _DOF_OF_FLOOR)
-    odds = math.log(_BEFORE * math.sqrt(2.0 * math.pi) / (2.0 * _SIZES)) + likely - np.log(above)
+    likely = 0.5 * (DOF_OF_FLOOR + 1.0) * np.log1p(above**2 / DOF_OF_FLOOR)
+    odds = math.log(_BEFORE * math.sqrt(2.0 * math.pi) / (2.0 * SIZES)) + likely - np.log(above)
     return np.where(above > 1.0, 1.0 / (1.0 + np.exp(-odds)), 0.0)
-
-
-def _motions(around: Complex, floor2: Floats, index: int) -> _Motions | None:
-    """Return what may move a harmonic as it moves others; None for a fundamental that no others tell of.
-
-    A speed moves all phases, whatever the amplitudes do. The fundamental tells it best, but for a line beside
-    that. So do the harmonics together: their scatter is that of noise, or more where they do not agree.
-    """
-    reach = around.shape[1] // 2
-    order, middle = np.arange(1, len(around) + 1), around[:, reach]
-    size2, own = np.abs(middle) ** 2, index + 1
-    known = np.flatnonzero((size2 > _STANDS_OUT**2 * floor2) & (order != own))
-    amplitude, phase = _parts(around[known])
-    phase *= (own / order[known])[:, np.newaxis]
-    noise2 = 0.5 * floor2[known] / size2[known]
-    none = np.zeros(reach, dtype=np.complex128)
-    amplitudes, phases = [(none, 0.0)], []
-    if index > 0:
-        phases.append((none, 0.0))
-        if len(known) and known[0] == 0:
-            amplitudes.append((amplitude[0], float(noise2[0])))
-            phases.append((phase[0], float(noise2[0]) * own**2))
-    harmonic = known > 0
-    if np.count_nonzero(harmonic) > 1:
-        of_phase2 = noise2[harmonic] * (own / order[known][harmonic]) ** 2
-        phases.append(_together(phase[harmonic], of_phase2))
-        if index == 0:
-            amplitudes.append(_together(amplitude[harmonic], noise2[harmonic]))
-    if not phases:
-        return None
-    by_both = [(*by_amplitude, *by_phase) for by_amplitude in amplitudes for by_phase in phases]
-    amplitude, of_amplitude2, phase, of_phase2 = (np.array(each) for each in zip(*by_both, strict=True))
-    return _Motions(amplitude, phase, of_amplitude2, of_phase2)
-
-
-def _together(values: Complex, noise2: Floats) -> tuple[Complex, float]:
-    """Return the mean of values, shape (harmonics, bins), each weighted by its noise, and its mean square
-    error, by their scatter if that is more than the noise."""
-    weight = 1.0 / noise2
-    mean = weight @ values / np.sum(weight)
-    scatter = float(np.sum(weight[:, np.newaxis] * np.abs(values - mean) ** 2))
-    excess = max(1.0, scatter / ((len(values) - 1) * values.shape[1]))
-    return mean, excess / float(np.sum(weight))
-
-
-@dataclass(frozen=True)
-class _Kernel:
-    """Distances `apart` of lines from a harmonic, none of them on it, shape (distances,), and what lines of
-    amplitude one there make of the harmonic, `own`, and, conjugated, of the bins beside it, shape (distances,
-    2 reach), with the sum of squares of these, `size2`: beside all harmonics alike."""
-
-    apart: Floats
-    own: Complex
-    beside: Complex
-    size2: Floats
-
-    @staticmethod
-    def of(apart: Floats, around: Complex) -> _Kernel:
-        """Return that of lines that make these of the bins, shape (distances, 2 reach + 1)."""
-        reach = around.shape[1] // 2
-        beside = np.conj(np.delete(around, reach, axis=1))
-        return _Kernel(apart, around[:, reach], beside, np.sum(np.abs(beside) ** 2, axis=1))
-
-
-def _kernel_in_time(first: float, last: float, number: Integers, course: Course) -> _Kernel:
-    """Likewise of lines that are steady in time, beside the harmonic in the middle of the bins `number`."""
-    reach, apart = len(number) // 2, _apart(first, last)
-    turned = (np.arange(_POINTS) + 0.5) / _POINTS - 0.5 / len(course.turned)
-    passed = np.interp(turned, course.turned, course.passed)
-    middle = int(number[reach]) * (passed - turned)[:, np.newaxis]
-    bins = np.exp(2j * np.pi * (middle - np.outer(turned, np.arange(-reach, reach + 1)))) / _POINTS
-    return _Kernel.of(apart, np.exp(2j * np.pi * np.outer(apart, passed)) @ bins)
-
-
-def _apart(first: float, last: float) -> Floats:
-    apart = np.linspace(first, last, _DISTANCES)
-    return apart[np.abs(apart) > _ON_HARMONIC]
-
-
-@lru_cache(maxsize=_KEPT)
-def _kernel(first: float, last: float, reach: int, count: int) -> _Kernel:
-    apart = _apart(first, last)
-    return _Kernel.of(apart, dirichlet_kernel(apart[:, np.newaxis], np.arange(-reach, reach + 1), count))
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """Lines at distances `apart` from a harmonic at the bin `number`, shape (distances,), fitted to the bins
-    beside it: their `phasors`, what they make of the `harmonic`, the standard deviation of one component of
-    that by noise, and the logarithm of their likelihood; `explains` is that of the best, by which fits of
-    other noise are compared, `excess`, of `dof` degrees of freedom, what it leaves over what noise does."""
-
-    harmonic: complex
-    number: int
-    apart: Floats
-    phasors: Complex
-    makes: Complex
-    spread: Floats
-    likely: Floats
-    explains: float
-    excess: float
-    dof: float
-
-    @staticmethod
-    def of(left: Complex, number: Integers, noise2: float, kernel: Callable[[float, float], _Kernel]) -> _Fit:
-        """Return the fit to bins of these numbers, the harmonic in the middle, both of shape (2 reach + 1,),
-        at the distances that are likely; `kernel` has lines at distances from a first to a last one."""
-        reach = len(number) // 2
-        measured = np.concatenate([left[:reach], left[reach + 1 :]])
-        power, dof = float(np.sum(np.abs(measured) ** 2)), 2.0 * len(measured) - 3.0
-
-        def fitted(first: float, last: float) -> _Fit:
-            lines = kernel(first, last)
-            phasors = lines.beside @ measured / lines.size2
-            rest = np.maximum(0.0, power - np.abs(phasors) ** 2 * lines.size2)
-            least = float(np.min(rest))
-            expected = noise2 + _EXACTLY**2 * (power - least) / len(measured)
-            scale = max(expected, 2.0 * least / dof)
-            return _Fit(
-                harmonic=complex(left[reach]),
-                number=int(number[reach]),
-                apart=lines.apart,
-                phasors=phasors,
-                makes=phasors * lines.own,
-                spread=np.sqrt(0.5 * scale / lines.size2) * np.abs(lines.own),
-                likely=-rest / scale,
-                explains=-least / expected - len(measured) * math.log(expected),
-                excess=2.0 * least / dof / expected,
-                dof=dof,
-            )
-
-        return likely_fits(fitted, -_FARTHEST, _FARTHEST)
-
-    @property
-    def is_ill(self) -> bool:
-        """Whether noise hardly leaves as much."""
-        return self.excess > _most_excess(self.dof)
-
-    def line(self, share: float) -> _Line:
-        """Return what there is, on average, of a line whose probability is that `share`; nothing where none
-        explains the bins, and what it may be is uncertain."""
-        weight = np.exp(self.likely - np.max(self.likely))
-        possible = np.abs(self.makes) < _MOST * abs(self.harmonic)
-        if not np.any(possible):
-            possible = np.abs(self.makes) == np.min(np.abs(self.makes))
-        weight = np.where(possible, weight, 0.0)
-        weight /= max(float(np.sum(weight)), 1e-300)
-        mean = complex(weight @ self.makes)
-        toward = np.exp(-1j * np.angle(self.harmonic - mean))
-        square = float(weight @ (((self.makes - mean) * toward).real ** 2 + self.spread**2))
-        at = int(np.argmin(np.abs(self.makes - mean)))
-        if self.is_ill:
-            square += (mean * toward).real ** 2
-            return _Line(self.number + float(self.apart[at]), 0j, math.sqrt(share * square))
-        phasor = share * complex(self.phasors[at])
-        untold2 = share * (1.0 - share) * (mean * toward).real ** 2
-        return _Line(self.number + float(self.apart[at]), phasor, math.sqrt(share * square + untold2))
-
-
-@lru_cache(maxsize=_REACH)
-def _most_excess(dof: float) -> float:
-    """Return what the squares that noise leaves are over their mean at most, but once in a thousand times."""
-    low, high = 1.0, 1e3
-    while high - low > 1e-12 * high:
-        middle = 0.5 * (low + high)
-        low, high = (
-            (low, middle) if fisher_above(dof, _DOF_OF_FLOOR, middle) < _ILL_FITTED else (middle, high)
-        )
-    return high

@@ -110,7 +110,7 @@ def current_spectrum(
     of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
     # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
     beats = (
-        found.by_signal
+        (found.by_signal or found.track.follows_signal)
         and not found.close.turned_rad
         and amplitude_changes(found.alone.amplitude, found.steady.trend, step)
         and not harmonics_tell(clean if with_trend is None else with_trend[0], len(errors.phase))

@@ -21,9 +21,13 @@ LINES = {1: 1.0, 5: 0.03, 7: 0.02, 11: 0.01, 13: 0.005}
 ROW = np.arange(round(PERIODS * PER_PERIOD), dtype=np.float64)
 
 
-def current(random: np.random.Generator, noise: float, turned: Array | float = 0.0) -> Array:
+def current(
+    random: np.random.Generator, noise: float, turned: Array | float = 0.0, load_angle: Array | float = 0.0
+) -> Array:
     theta = 2.0 * np.pi * ROW / PER_PERIOD + turned
-    signal = sum(a * np.cos(k * theta + random.uniform(0, 2 * np.pi)) for k, a in LINES.items())
+    phases = {k: k * theta + random.uniform(0, 2 * np.pi) for k in LINES}
+    phases[1] = phases[1] + load_angle
+    signal = sum(a * np.cos(phases[k]) for k, a in LINES.items())
     return np.asarray(signal) + noise * random.standard_normal(len(ROW))
 
 
@@ -123,6 +127,18 @@ def test_what_no_single_line_explains_is_uncertain(lines: list[tuple[float, floa
             signal = signal + beside(5, bins, share * LINES[5], random.uniform(0, 6.28))
         error, u = error_of(signal, 5)
         assert abs(error) < 2.5 * u
+
+
+@pytest.mark.parametrize("cycles", [0.25, 2.0])
+def test_an_angle_between_fundamental_and_harmonics_that_moves_is_no_line(cycles: float) -> None:
+    """As that of a load: it leaves the amplitude as it is, which a line beside the fundamental does not."""
+    found = []
+    for seed in range(8):
+        random, time = np.random.default_rng(seed), ROW / len(ROW)
+        load_angle = 0.01 * np.sin(2.0 * np.pi * cycles * time + random.uniform(0, 2 * np.pi))
+        found.append(error_of(current(random, 1e-3, load_angle=load_angle), 1))
+    assert all(abs(error) < 3.0 * u for error, u in found)
+    assert np.median([u for _, u in found]) < 2e-4
 
 
 def test_the_frequency_is_that_without_a_line_beside_the_fundamental() -> None:
