@@ -61,6 +61,7 @@ from .numbers import (
     signed as signed,
     stated as stated,
     with_expanded as with_expanded,
+    with_unit as with_unit,
 )
 from .orders.angle import (
     AngleCoverage as AngleCoverage,

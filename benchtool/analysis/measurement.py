@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from benchtool.analysis.numbers import number, with_expanded
+from benchtool.analysis.numbers import number, with_expanded, with_unit
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.uncertainty import (
     Contribution,
@@ -173,12 +173,17 @@ class Measurement:
         """Return a quantity that these samples do not define."""
         return cls(name, math.nan, unit, definition, basis or Basis(), reason=reason)
 
+    @property
+    def in_unit(self) -> str:
+        """The value with its expanded uncertainty for 95 % and its unit, `0.0501 ± 0.0016 Nm`."""
+        return with_unit(with_expanded(self.value, self.uncertainty), self.unit)
+
     def __str__(self) -> str:
-        """Return the value with its expanded uncertainty for 95 % and its unit, `0.0501 ± 0.0016 Nm`."""
-        text = f"{with_expanded(self.value, self.uncertainty)} {self.unit}".rstrip()
+        """Return the same, and why it has no value or no uncertainty."""
         if self.reason:
-            return f"{text} ({self.reason})"
-        return f"{text} (no uncertainty: {self.uncertainty_reason})" if self.uncertainty_reason else text
+            return f"{self.in_unit} ({self.reason})"
+        reason = self.uncertainty_reason
+        return f"{self.in_unit} (no uncertainty: {reason})" if reason else self.in_unit
 
     def _repr_html_(self) -> str:
         rows = [(self.name, str(self)), ("definition", self.definition)]

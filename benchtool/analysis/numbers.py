@@ -59,6 +59,11 @@ def with_expanded(value: float, uncertainty: Uncertainty | None) -> str:
     return stated(value, None if uncertainty is None else uncertainty.expanded)
 
 
+def with_unit(text: str, unit: str) -> str:
+    """Return a number as it is written, and its unit behind it; without a blank where there is none."""
+    return f"{text} {unit}" if unit else text
+
+
 def placed(value: float, uncertainty: float | None) -> str:
     """Return a value alone, to the place of its uncertainty as `stated` has it."""
     text, sign, rest = stated(value, uncertainty).partition(" ± ")

@@ -15,7 +15,7 @@ from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
-from benchtool.cli.results import show_disagreements, verdict_text
+from benchtool.cli.results import show_contradicted, show_disagreements, verdict_text
 from benchtool.cli.side_by_side import Column, show_beside
 from benchtool.errors import UsageError
 from benchtool.report import difference
@@ -166,10 +166,11 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
             told = f": it {each.told.reason}" if each.told else ""
             waived = " (waived)" if each.waived else ""
             output.sentence(
-                f"{letters[label]}: {each.name}: {verdict_text(each)}, {each.judge} {each.limit.bounds}"
+                f"{letters[label]}: {each.name}: {verdict_text(each)}, {each.judge} {each.bounds}"
                 f"{waived}{told}",
                 VERDICT_COLOURS[each.counted],
             )
+            show_contradicted(output, f"{letters[label]}: ", each)
 
 
 def _letters(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:

@@ -64,6 +64,8 @@ def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[s
         output.sentence(
             f"{missed.verdict}: {case}, {missed}", lead="  ", style=VERDICT_COLOURS[missed.verdict]
         )
+    for case, judged in result.contradicted:
+        show_contradicted(output, f"{case}, ", judged)
     cases = result.assessments
     show_disagreements(output, [(_of(each, cases), each) for each in cases])
 
@@ -98,8 +100,7 @@ def show_disagreements(
             if each.verdict is None:
                 counts[each.name] += 1
                 continue
-            text = f"{_disagreement_text(each, prefix)}: {each.verdict} there"
-            output.sentence(text, VERDICT_COLOURS[each.verdict], lead="  ")
+            _show_contradicted(output, prefix, each)
     for count in sorted(set(counts.values()), reverse=True):
         names = [name for name, often in counts.items() if often == count]
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
@@ -108,14 +109,17 @@ def show_disagreements(
         output.sentence(f"the transducer disagrees{among}: {named}", "dim", lead="  ")
 
 
-def _disagreement_text(found: Disagreement, of: str) -> str:
-    """Return the sentence on a number that the transducer contradicts, in the band of both."""
-    true = f"{measured(found.true)} {found.true.unit}".rstrip()
-    estimate = f"{measured(found.estimate)} {found.estimate.unit}".rstrip()
-    return (
-        f"the transducer disagrees: {of}{found.name} is {estimate} by the drive's own "
-        f"estimate{found.band_text}, {true} on the shaft"
-    )
+def show_contradicted(output: Output, of: str, judged: JudgedTogether) -> None:
+    """Print that the transducer contradicts the value that a limit over repetitions is held against, if it
+    does."""
+    if judged.disagreement is not None:
+        _show_contradicted(output, f"{of}{judged.judge} of {judged.count} repetitions: ", judged.disagreement)
+
+
+def _show_contradicted(output: Output, of: str, found: Disagreement) -> None:
+    """Print a number with a limit that the transducer contradicts, in the colour of the verdict by it."""
+    colour = "" if found.verdict is None else VERDICT_COLOURS[found.verdict]
+    output.sentence(f"the transducer disagrees: {of}{found}", colour, lead="  ")
 
 
 def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:

@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any, Final
 
-from benchtool.analysis import Measurement, with_expanded
+from benchtool.analysis import Measurement
 from benchtool.errors import ProfileError
 from benchtool.protocol.dictionary import Value
 
@@ -114,7 +114,7 @@ def _remark(key: str, estimates: Mapping[str, Measurement], before: Mapping[str,
     found = estimates.get(name)
     if found is None or not math.isfinite(found.value):
         return ""
-    remark = f"commissioned: {with_expanded(found.value, found.uncertainty)} {found.unit}".rstrip()
+    remark = f"commissioned: {found.in_unit}"
     was = before["motor"].get(key)
     return f"{remark}, nameplate {was:g}" if isinstance(was, int | float) else remark
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Self
 
-from benchtool.analysis import Measurement, number, probability, raw, with_expanded
+from benchtool.analysis import Measurement, number, probability, raw, with_unit
 from benchtool.plan.limits import Limit, Verdict
 
 
@@ -113,24 +113,30 @@ class JudgedLimit:
         """What is told of a value that does not pass."""
         limit, measured = self.limit, self.measured
         if measured is None:
-            return f"was not measured, {limit.bounds} is asked for"
+            return f"was not measured, {self.bounds} is asked for"
         if not math.isfinite(measured.value):
-            return f"is undefined ({measured.reason or measured.definition}), {limit.bounds} is asked for"
-        value = f"is {with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()
+            return f"is undefined ({measured.reason or measured.definition}), {self.bounds} is asked for"
+        value = f"is {measured.in_unit}"
         if self.verdict is Verdict.MARGINAL:
-            return f"{value}, within {raw(limit.margin)} of its limit {limit.bounds}"
+            return f"{value}, within {with_unit(raw(limit.margin), measured.unit)} of its limit {self.bounds}"
         if limit.margin == "U":
             return f"{value}, {self._guarded(measured)}"
-        return f"{value}, {limit.shortfall(measured.value)}"
+        return f"{value}, {limit.shortfall(measured.value, measured.unit)}"
+
+    @property
+    def bounds(self) -> str:
+        """The bounds in the unit of the measurement, or in that which the limit states."""
+        stated = self.limit.unit or ""
+        return with_unit(self.limit.bounds, stated if self.measured is None else self.measured.unit)
 
     def _guarded(self, measured: Measurement) -> str:
         """Return why a finite value does not pass a limit with a guard band."""
         limit, uncertainty = self.limit, measured.uncertainty
         if uncertainty is None or not math.isfinite(uncertainty.expanded):
             why = _without_uncertainty(measured)
-            return f'{why}, which margin = "U" of its limit {limit.bounds} needs'
-        place = limit.shortfall(measured.value)
-        place = place or f"{raw(self.headroom, 3)} inside its limit {limit.bounds}"
+            return f'{why}, which margin = "U" of its limit {self.bounds} needs'
+        place = limit.shortfall(measured.value, measured.unit)
+        place = place or f"{with_unit(raw(self.headroom, 3), measured.unit)} inside its limit {self.bounds}"
         apart = f"{'more' if self.verdict is Verdict.FAIL else 'less'} than its U"
         remark = f"; {self.remark}" if self.remark else ""
         return f"{place}, {apart}; {self.conformance_text}{remark}"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from benchtool.analysis import raw
+from benchtool.analysis import raw, with_unit
 from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
@@ -162,12 +162,14 @@ class Limit(Section):
             return False
         return math.isfinite(U) and self.max - self.min < 2.0 * U
 
-    def shortfall(self, value: float) -> str:
-        """Return the bound that a value violates and by how much; empty if it violates none."""
+    def shortfall(self, value: float, unit: str) -> str:
+        """Return the bound that a value in its unit violates and by how much; empty if it violates none."""
         if self.min is not None and value < self.min:
-            return f"at least {raw(self.min)} is asked for: {raw(self.min - value, 3)} too little"
+            least, lacking = with_unit(raw(self.min), unit), with_unit(raw(self.min - value, 3), unit)
+            return f"at least {least} is asked for: {lacking} too little"
         if self.max is not None and value > self.max:
-            return f"at most {raw(self.max)} is allowed: {raw(value - self.max, 3)} too much"
+            greatest, beyond = with_unit(raw(self.max), unit), with_unit(raw(value - self.max, 3), unit)
+            return f"at most {greatest} is allowed: {beyond} too much"
         return ""
 
     @property

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree
 
-from benchtool.analysis import with_expanded
 from benchtool.plan import JudgedLimit
 from benchtool.recording import writing
 from benchtool.report.provenance import run_facts
@@ -94,7 +93,7 @@ def _judge(suite: ElementTree.Element, place: str, name: str, judged: JudgedLimi
         failure.text = _text(told)
     value = "not measured"
     if (measured := judged.measured) is not None:
-        value = f"{with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()
+        value = measured.in_unit
     output = ElementTree.SubElement(test, "system-out")
     output.text = _text(f"{judged.verdict}: {judged.name}: {value}, {limit.rule}")
 

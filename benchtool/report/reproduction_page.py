@@ -66,7 +66,7 @@ def _both_readings(plans: Sequence[PlanFigures]) -> Iterator[str]:
         cells = []
         for reading in (literal(case), case):
             ours = next((each for each in plan.measured[reading] if each.name == name), None)
-            cells += [_quantity(ours), _ratio(ours.value, value)] if ours else [NOTHING, NOTHING]
+            cells += [ours.in_unit, _ratio(ours.value, value)] if ours else [NOTHING, NOTHING]
         yield f"| {_short(plan)} | {case} | {name} | {value:.4g} | {' | '.join(cells)} |"
     yield ""
 
@@ -100,7 +100,7 @@ def _published(plan: PlanFigures) -> Iterator[str]:
             yield f"| {case} | {name} | {value:.4g} | {NOTHING} | {NOTHING} | not measured |"
             continue
         yield (
-            f"| {case} | {name} | {value:.4g} {ours.unit} | {_quantity(ours)} "
+            f"| {case} | {name} | {value:.4g} {ours.unit} | {ours.in_unit} "
             f"| {_ratio(ours.value, value)} | {ours.definition} |"
         )
     yield ""
@@ -112,7 +112,7 @@ def _table(plan: PlanFigures) -> Iterator[str]:
         yield f"| case | {' | '.join(plan.tabulate)} |"
         yield f"|---|{'---|' * len(plan.tabulate)}"
         for case, measured in plan.measured.items():
-            cells = {each.name: _quantity(each) for each in measured}
+            cells = {each.name: each.in_unit for each in measured}
             yield f"| {case} | {' | '.join(cells.get(name, NOTHING) for name in plan.tabulate)} |"
         yield ""
         return
@@ -136,8 +136,3 @@ def _choices(choices: Sequence[Choice]) -> Iterator[str]:
 
 def _ratio(ours: float, published: float) -> str:
     return f"{ours / published:.3g}" if published and math.isfinite(ours) else NOTHING
-
-
-def _quantity(measured: Measurement) -> str:
-    """Return a value ± its expanded uncertainty, and the unit."""
-    return f"{with_expanded(measured.value, measured.uncertainty)} {measured.unit}".rstrip()

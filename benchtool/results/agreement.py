@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, raw, with_expanded
-from benchtool.plan import Limit, Verdict
+from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, raw
+from benchtool.plan import JudgedLimit, Limit, Verdict
 
 _TRANSDUCER = "transducer_"
 
@@ -18,12 +18,28 @@ class Disagreement:
     """A number by the drive's estimate, and by the transducer, further apart than their uncertainties.
 
     Where the transducer is slower than the capture, the estimate was compared in the band that it shows.
-    `verdict` is that of the transducer's number under the plan's limit; None without a limit.
+    `judged` is the plan's limit held against the transducer's number; None without a limit.
     """
 
     estimate: Measurement
     true: Measurement
-    verdict: Verdict | None
+    judged: JudgedLimit | None = None
+
+    def __str__(self) -> str:
+        """Return what each of the two reads and, with a limit, how the transducer's meets it."""
+        shaft = f"is {self.true.in_unit}"
+        if self.judged is not None:
+            told = self.judged.told
+            shaft = f"{shaft if told is None else told.reason} ({self.judged.verdict})"
+        return (
+            f"{self.name} is {self.estimate.in_unit} by the drive's own estimate{self.band_text}; "
+            f"on the shaft it {shaft}"
+        )
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """That of the transducer's number under the plan's limit; None without a limit."""
+        return None if self.judged is None else self.judged.verdict
 
     @property
     def name(self) -> str:
@@ -40,8 +56,7 @@ class Disagreement:
         """What the estimate is in the transducer's band, in brackets; empty where the whole was compared."""
         if self.compared is self.estimate:
             return ""
-        value = with_expanded(self.compared.value, self.compared.uncertainty)
-        return f" ({value} {self.compared.unit} in the transducer's band, up to {raw(self._band_Hz, 4)} Hz)"
+        return f" ({self.compared.in_unit} in the transducer's band, up to {raw(self._band_Hz, 4)} Hz)"
 
     @property
     def _band_Hz(self) -> float:
@@ -92,8 +107,8 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         # in its band the estimate is as the transducer reads it, and so is not corrected
         shown = true.value if estimate.in_common_band is None else true.as_read
         if abs(seen.value - shown) > _of_difference(estimate, true).expanded:
-            verdict = limits[name].judge(true.value, true.uncertainty) if name in limits else None
-            yield Disagreement(estimate, true, verdict)
+            judged = JudgedLimit.of(name, limits[name], true) if name in limits else None
+            yield Disagreement(estimate, true, judged)
 
 
 def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:

@@ -115,6 +115,12 @@ class Assessment:
         return disagreements(self.measurements, self.limits)
 
     @property
+    def contradicted(self) -> tuple[Disagreement, ...]:
+        """Those of them by which the verdict on a limit is another."""
+        verdicts = self.verdicts
+        return tuple(each for each in self.disagreements if each.verdict is not verdicts.get(each.name))
+
+    @property
     def verdict(self) -> Verdict:
         """The worst of its limits; none of one repetition that meets those of its own, where others hold for
         all repetitions together."""

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Uncertainty, count_of, equally_likely
+from benchtool.analysis import Measurement, Uncertainty, catalogue, count_of, equally_likely, with_unit
 from benchtool.plan import NAMES as REACHED, Case, JudgedLimit, Limit, Plan, Verdict
 from benchtool.results.agreement import Disagreement
 from benchtool.telemetry import certificate_units
@@ -39,7 +39,9 @@ class LimitsTogether:
 
     def __str__(self) -> str:
         """Return the limits, and what each is held against."""
-        bounds = ", ".join(f"{name} {limit.bounds}" for name, limit in self.limits.items())
+        bounds = ", ".join(
+            f"{name} {with_unit(limit.bounds, _unit_of(name))}" for name, limit in self.limits.items()
+        )
         hold = "holds" if len(self.limits) == 1 else "hold"
         return f"{bounds} {hold} for the {self.judge} of {count_of(self.count, 'repetition')}"
 
@@ -128,6 +130,12 @@ def without_value(found: Sequence[Measurement], count: int) -> str:
     """Return that some of `count` repetitions have no value; empty if all have one."""
     lacking = count - sum(math.isfinite(each.value) for each in found)
     return f"{lacking} of {count} repetitions have no value" if lacking else ""
+
+
+def _unit_of(name: str) -> str:
+    """Return the unit that a measurement is declared with; empty where it depends on what is measured."""
+    declared = catalogue().quantity(name)
+    return declared.unit if declared is not None and isinstance(declared.unit, str) else ""
 
 
 def _all_conform(limit: Limit, found: Sequence[Measurement]) -> float | None:

@@ -9,7 +9,7 @@ from typing import Any
 from benchtool.plan import Missed, Verdict, worst
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
-from benchtool.results.judged_repetitions import LimitsTogether
+from benchtool.results.judged_repetitions import JudgedTogether, LimitsTogether
 from benchtool.results.repetitions import Repeated, judged_together
 
 
@@ -36,6 +36,12 @@ class RunResult:
         """The limits over repetitions that were not met, each with its case."""
         judged = judged_together(self.repeated)
         return tuple((case, told) for case, each in judged if (told := each.missed))
+
+    @property
+    def contradicted(self) -> tuple[tuple[str, JudgedTogether], ...]:
+        """The limits over repetitions whose value the transducer contradicts, each with its case."""
+        judged = judged_together(self.repeated)
+        return tuple((case, each) for case, each in judged if each.disagreement is not None)
 
     @property
     def overdue(self) -> tuple[Overdue, ...]:

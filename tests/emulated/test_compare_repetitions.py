@@ -43,7 +43,7 @@ def test_the_limits_over_repetitions_are_judged_in_each_run(runs: tuple[Path, Pa
     assert "comparison: means of the repetitions" in text
     for letter, judge in (("A", "mean"), ("B", "worst")):
         assert f"{letter}: torque_ripple_pp: fail, " in text
-        assert f"{judge} ≤ 0.02: it is 0.0" in text
+        assert f"{judge} ≤ 0.02 Nm: it is 0.0" in text
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "Limits over the repetitions" in page
     assert "worst of 2 repetitions" in page

@@ -86,7 +86,7 @@ def test_a_load_that_was_never_there_fails_and_says_by_how_much(wire: Wire, tmp_
         assert found.verdict == "fail"
         (missed,) = found.missed
         assert missed.name == "load_torque_reached"
-        assert "at least 0.459 is asked for: 0.4" in str(missed)
+        assert "at least 0.459 Nm is asked for: 0.4" in str(missed)
         assert "too little" in str(missed)
 
 
@@ -103,7 +103,7 @@ def test_another_dc_link_than_the_plan_takes_fails(wire: Wire, tmp_path: Path) -
     found = _run(wire.session, _plan(ALL, omega_m_rad_s=31.42, u_dc_V=311.0), tmp_path / "run")
     (missed,) = found.missed
     assert missed.name == "u_dc_reached"
-    assert "is 122.56 ± 0.28 V, at least 279.9 is asked for" in str(missed)
+    assert "is 122.56 ± 0.28 V, at least 279.9 V is asked for" in str(missed)
 
 
 @pytest.mark.parametrize(("held", "verdict"), [(31.42, "pass"), (25.0, "fail")])
@@ -137,7 +137,7 @@ def test_a_plans_own_limit_stands_in_place_of_the_default(wire: Wire, tmp_path: 
     strict = Plan.model_validate(plan.model_dump() | {"limits": {"omega_m_reached": {"max": 30.0}}})
     found = _run(wire.session, strict, tmp_path / "run")
     assert found.verdicts["omega_m_reached"] == "fail"
-    assert "at most 30 is allowed: 1.4" in str(found.missed[0])
+    assert "at most 30 rad/s is allowed: 1.4" in str(found.missed[0])
     assert "too much" in str(found.missed[0])
 
 

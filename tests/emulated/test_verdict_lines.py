@@ -47,9 +47,9 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert result.exit_code == 1, result.output
     assert "verdict: fail" in result.stdout
     assert "fail: deadbeat: torque_ripple_pp is 0." in result.stdout
-    assert "at most 1 × 10⁻⁶ is allowed" in result.stdout
+    assert "at most 1 × 10⁻⁶ Nm is allowed" in result.stdout
     assert "the transducer disagrees: tpc: torque_ripple_pp is 0.0" in result.stdout
-    assert "on the shaft: fail there" in result.stdout
+    assert "(fail)" in result.stdout
     assert "not measured for lack of channels: flux ripple (psi_s), current spectrum (i_a)" in result.stdout
 
     document = json.loads(invoke("analyze", "run", "--json").stdout)
@@ -63,7 +63,7 @@ def test_a_failed_run_names_case_limit_and_how_far_and_what_the_shaft_says(
     assert invoke("report", "run").exit_code == 1
     (page,) = (tmp_path / "run").glob("*.html")
     text = page.read_text(encoding="utf-8")
-    assert "at most 1 × 10⁻⁶ is allowed" in text
+    assert "at most 1 × 10⁻⁶ Nm is allowed" in text
     assert "The transducer disagrees: torque_ripple_pp" in text
 
 
@@ -78,10 +78,16 @@ def test_the_report_of_repetitions_says_of_the_shaft_what_the_run_says(
     (tmp_path / "mine.toml").write_text(together, encoding="utf-8")
     verdict = "verdict: pass by the drive's own estimate, fail by the transducer on the shaft"
 
-    assert verdict in invoke("run", "mine.toml", "--out", "run").stdout
+    printed = invoke("run", "mine.toml", "--out", "run").stdout
+    assert verdict in printed
+    contradicted = "torque_ripple_pp is 0.0"
+    assert f"the transducer disagrees: tpc, mean of 2 repetitions: {contradicted}" in printed
+    assert "Nm, at most 0.06 Nm is allowed: 0." in printed
     assert verdict in invoke("report", "run").stdout
     (page,) = (tmp_path / "run").glob("*.html")
-    assert "By the transducer on the shaft: fail." in page.read_text(encoding="utf-8")
+    front = page.read_text(encoding="utf-8")
+    assert "By the transducer on the shaft: fail." in front
+    assert f"tpc over its repetitions: the transducer disagrees: {contradicted}" in front
 
     # one of the repetitions does not have the verdict of both
     alone = invoke("analyze", "run/tpc.1", "--json")
@@ -90,7 +96,7 @@ def test_the_report_of_repetitions_says_of_the_shaft_what_the_run_says(
     (case,) = document["cases"].values()
     assert case["verdict"] == "none"
     assert (case["limits_together"]["judge"], case["limits_together"]["repetitions"]) == ("mean", 2)
-    told = "torque_ripple_pp ≤ 0.06 holds for the mean of 2 repetitions, of which this is one"
+    told = "torque_ripple_pp ≤ 0.06 Nm holds for the mean of 2 repetitions, of which this is one"
     assert f"undecided: tpc.1: {told}" in alone.stderr
     assert "verdict: undecided" in invoke("report", "run/tpc.1").stdout
     page = tmp_path / "run" / "tpc.1" / "report.html"

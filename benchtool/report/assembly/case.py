@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from benchtool.analysis import count_of, measurements_from_json, raw, with_expanded
+from benchtool.analysis import count_of, measurements_from_json, raw
 from benchtool.errors import BenchError
 from benchtool.profile import Choice, Profile
 from benchtool.protocol.dictionary import Dictionary, toml_key
@@ -88,15 +88,9 @@ def remarks(result: Assessment) -> Iterator[Item]:
         yield Text(f"{odd[0].upper()}{odd[1:]}.", "warning")
     for missed in result.missed:
         yield Text(f"{str(missed.verdict).capitalize()}: {missed}.", "warning")
-    apart = [each for each in result.disagreements if each.verdict is not result.verdicts.get(each.name)]
+    apart = result.contradicted
     for each in apart:
-        verdict = f": {each.verdict} there" if each.verdict is not None else ""
-        own, true = (with_expanded(one.value, one.uncertainty) for one in (each.estimate, each.true))
-        yield Text(
-            f"The transducer disagrees: {each.name} is {own} {each.estimate.unit} by the drive's own "
-            f"estimate{each.band_text}, {true} {each.true.unit} on the shaft{verdict}.",
-            "warning",
-        )
+        yield Text(f"The transducer disagrees: {each}.", "warning")
     if others := [each for each in result.disagreements if each not in apart]:
         yield Text(
             f"The transducer disagrees with the drive's own estimate, without another verdict: "

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import NOTHING, count_of, raw
+from benchtool.analysis import NOTHING, count_of, raw, with_unit
 from benchtool.block import Block
 from benchtool.plan import JudgedLimit, Verdict, worst
 from benchtool.profile import Bench, Profile
@@ -198,19 +198,19 @@ def _warnings(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Ite
         for group, each in judged_together(run.repeated)
         if each.missed
     ]
+    told += [
+        f"{group} over its repetitions: the transducer disagrees: {each.disagreement}"
+        for run in runs
+        for group, each in run.result.contradicted
+        if each.verdict_by_transducer is not each.counted
+    ]
     yield from (Text(f"{text}.", "warning") for text in told[:_MOST_TOLD])
     if len(told) > _MOST_TOLD:
         yield Text(f"{len(told) - _MOST_TOLD} more of these stand with their cases.", "warning")
     against = Counter(
         each.name for case in found if case.assessment for each in case.assessment.disagreements
     )
-    judged = {
-        each.name
-        for case in found
-        if case.assessment
-        for each in case.assessment.disagreements
-        if each.verdict is not None and each.verdict is not case.assessment.verdicts.get(each.name)
-    }
+    judged = {each.name for case in found if case.assessment for each in case.assessment.contradicted}
     if against:
         cases_of = ", ".join(f"{name} ({count} of {len(found)} cases)" for name, count in against.items())
         text = f"The transducer disagrees with the drive's own estimate: {cases_of}."
@@ -220,9 +220,13 @@ def _warnings(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Ite
 
 
 def _reasons(case: RecordedCase) -> tuple[str, ...]:
-    """Return the reasons of a case's verdict: its failure, or missed limits and by how much."""
-    missed = case.assessment.missed if case.assessment is not None else ()
-    return (*((case.failure,) if case.failure else ()), *(str(each) for each in missed))
+    """Return the reasons of a case's verdict, and of that by the transducer: its failure, or missed limits
+    and by how much."""
+    failed = (case.failure,) if case.failure else ()
+    if case.assessment is None:
+        return failed
+    apart = (f"the transducer disagrees: {each}" for each in case.assessment.contradicted)
+    return (*failed, *(str(each) for each in case.assessment.missed), *apart)
 
 
 def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iterator[Item]:
@@ -331,11 +335,10 @@ def _rows_of(run: RecordedRun, prefix: str) -> Iterator[tuple[str | Cell, ...]]:
 def _row_of(
     prefix: str, place: str, judged: JudgedLimit, limit: str, verdict: Cell
 ) -> tuple[str | Cell, ...]:
-    unit = "" if judged.measured is None else f" {judged.measured.unit}".rstrip()
-    return (
-        *(f"{prefix}{judged.name}", limit, judged.limit.rule, f"{judged_value(judged.measured)}{unit}"),
-        *(place, raw(judged.headroom, 3) if math.isfinite(judged.headroom) else NOTHING, verdict),
-    )
+    unit = "" if judged.measured is None else judged.measured.unit
+    left = with_unit(raw(judged.headroom, 3), unit) if math.isfinite(judged.headroom) else NOTHING
+    value = with_unit(judged_value(judged.measured), unit)
+    return f"{prefix}{judged.name}", limit, judged.limit.rule, value, place, left, verdict
 
 
 def _badness(found: tuple[str, JudgedLimit]) -> tuple[int, float]:

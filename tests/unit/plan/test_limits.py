@@ -48,7 +48,7 @@ def test_a_guard_band_of_unknown_width_fails(unknown: Uncertainty | None) -> Non
     assert Limit(max=2.0).conformance(0.0, unknown) is None
     measured = Measurement("x", 0.0, "Nm", "", uncertainty=unknown)
     told = JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed
-    assert 'its uncertainty is not known, which margin = "U" of its limit ≤ 2 needs' in str(told)
+    assert 'its uncertainty is not known, which margin = "U" of its limit ≤ 2 Nm needs' in str(told)
 
 
 @given(st.floats(-10, 10), st.floats(0, 3), st.floats(1, 50))
@@ -111,7 +111,7 @@ def test_the_rule_is_stated() -> None:
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
     assert str(JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed) == (
-        "x is 1.950 ± 0.098 Nm, 0.05 inside its limit ≤ 2, less than its U; probability of conformance 0.841"
+        "x is 1.950 ± 0.098 Nm, 0.05 Nm inside its limit ≤ 2 Nm, less than its U; probability of conformance 0.841"
     )
 
 
@@ -175,21 +175,21 @@ def test_a_limit_without_a_probability_says_why(
     ("limit", "value", "verdict", "reason"),
     [
         (Limit(max=2.0), None, Verdict.FAIL, "was not measured, ≤ 2 is asked for"),
-        (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 is asked for"),
-        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 of its limit ≤ 2"),
+        (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 Nm is asked for"),
+        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 Nm of its limit ≤ 2 Nm"),
         (
             Limit(min=1.0, max=2.0, margin=0.1),
-            *(1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 of its limit ≥ 1, ≤ 2"),
+            *(1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 Nm of its limit ≥ 1, ≤ 2 Nm"),
         ),
-        (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.500 Nm, at most 2 is allowed: 0.5 too much"),
-        (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.500 Nm, at least 2 is asked for: 0.5 too little"),
+        (Limit(max=2.0), 2.5, Verdict.FAIL, "is 2.500 Nm, at most 2 Nm is allowed: 0.5 Nm too much"),
+        (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.500 Nm, at least 2 Nm is asked for: 0.5 Nm too little"),
         (
             Limit(max=12345678.0),
-            *(12355678.0, Verdict.FAIL, "is 12355678 Nm, at most 12345680 is allowed: 10000 too much"),
+            *(12355678.0, Verdict.FAIL, "is 12355678 Nm, at most 12345680 Nm is allowed: 10000 Nm too much"),
         ),
         (
             Limit(max=1e-6),
-            *(0.5, Verdict.FAIL, "is 0.5000 Nm, at most 1 × 10⁻⁶ is allowed: 0.5 too much"),
+            *(0.5, Verdict.FAIL, "is 0.5000 Nm, at most 1 × 10⁻⁶ Nm is allowed: 0.5 Nm too much"),
         ),
     ],
 )

@@ -51,7 +51,7 @@ def test_one_repetition_does_not_claim_the_verdict_of_all(judge: str) -> None:
     assert alone.verdict is Verdict.NONE
     assert alone.together is not None
     assert alone.together.of_one.startswith(
-        f"torque_mean ≤ 1 holds for the {judge} of 3 repetitions, of which this is one"
+        f"torque_mean ≤ 1 Nm holds for the {judge} of 3 repetitions, of which this is one"
     )
     result = RunResult((alone,))
     assert result.verdict is Verdict.UNDECIDED

@@ -75,7 +75,7 @@ def test_an_undecided_limit_leaves_the_session_undecided() -> None:
     found = found.model_copy(update={"verdict": str(found.judge())})
     test = TestRecord(name="a", outcome=Outcome.FAILED, judged=(found,))
     assert _session("2026-01-01", test).verdict is Verdict.UNDECIDED
-    assert "0.1 inside its limit ≤ 1, less than its U" in found.complaint
+    assert "0.1 Nm inside its limit ≤ 1 Nm, less than its U" in found.complaint
 
 
 def test_a_requirement_has_the_worst_of_its_tests() -> None:
