@@ -111,7 +111,8 @@ def test_the_rule_is_stated() -> None:
     }
     assert Limit(max=2.0, margin=0.1).rule == "marginal within 0.1"
     assert str(JudgedLimit.of("x", Limit(max=2.0, margin="U"), measured).missed) == (
-        "x is 1.950 ± 0.098 Nm, 0.05 Nm inside its limit ≤ 2 Nm, less than its U; probability of conformance 0.841"
+        "x is 1.950 ± 0.098 Nm, 0.05 Nm inside its limit ≤ 2 Nm, less than its U; "
+        "probability of conformance 0.841"
     )
 
 
@@ -176,7 +177,10 @@ def test_a_limit_without_a_probability_says_why(
     [
         (Limit(max=2.0), None, Verdict.FAIL, "was not measured, ≤ 2 is asked for"),
         (Limit(max=2.0), math.nan, Verdict.FAIL, "is undefined (of x), ≤ 2 Nm is asked for"),
-        (Limit(max=2.0, margin=0.1), 1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 Nm of its limit ≤ 2 Nm"),
+        (
+            Limit(max=2.0, margin=0.1),
+            *(1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 Nm of its limit ≤ 2 Nm"),
+        ),
         (
             Limit(min=1.0, max=2.0, margin=0.1),
             *(1.95, Verdict.MARGINAL, "is 1.950 Nm, within 0.1 Nm of its limit ≥ 1, ≤ 2 Nm"),

@@ -160,7 +160,8 @@ def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> N
 def test_the_worst_repetition_is_judged_with_its_own_uncertainty() -> None:
     found = _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(max=1.05))
     assert found.verdict is Verdict.FAIL
-    assert str(found.missed) == "torque_mean is 1.100 ± 0.020 Nm, at most 1.05 Nm is allowed: 0.05 Nm too much"
+    told = "torque_mean is 1.100 ± 0.020 Nm, at most 1.05 Nm is allowed: 0.05 Nm too much"
+    assert str(found.missed) == told
     assert _judged("worst", [0.9, 1.0, 1.1], standard=0.01, limit=Limit(min=0.8)).verdict is Verdict.PASS
 
 
