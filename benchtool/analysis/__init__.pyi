@@ -171,6 +171,7 @@ from .uncertainty import (
     InstrumentError as InstrumentError,
     Uncertainty as Uncertainty,
     combined as combined,
+    combined_by_names as combined_by_names,
     of_difference as of_difference,
 )
 from .validity import (

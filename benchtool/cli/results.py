@@ -199,13 +199,19 @@ def show_repeated(
     """Print the means of each case over its repetitions, all of them or those named, and how it meets the
     limits that hold for them together."""
     for case, together in repeated.items():
+        shown = [each for each in together if not names or each.name in names]
         rows = [
-            (each.name, with_expanded(each.mean, each.uncertainty), str(each.n), each.unit)
-            for each in together
-            if not names or each.name in names
+            (each.name, with_expanded(each.mean, each.uncertainty), each.n_of_count, each.unit)
+            for each in shown
         ]
         headings = ("measurement", ">mean ± U (95 %)", ">n", "unit")
         output.table(f"{case}: means of the repetitions", headings, rows)
+        for remark in dict.fromkeys(each.remark for each in shown if each.remark):
+            output.sentence(
+                f"{named(tuple(each.name for each in shown if each.remark == remark))}: {remark}", "dim"
+            )
+        for reason, lacking in without_uncertainty([each.measured for each in shown]).items():
+            output.sentence(f"without ±: {named(lacking)}: {reason}", "dim")
         _show_judged(output, case, [each.judged for each in together if each.judged is not None])
 
 

@@ -17,6 +17,9 @@ from benchtool.analysis import (
     InstrumentError,
     Measurement,
     Uncertainty,
+    combined,
+    combined_by_names,
+    count_of,
     students_deviation,
 )
 from benchtool.plan import Limit, Plan, cases
@@ -33,17 +36,18 @@ _ROUNDING = 1e-13  # relative: of a mean of equal numbers
 
 @dataclass(frozen=True)
 class Repeated:
-    """One measurement over `n` repetitions in which it was defined.
+    """One measurement over the `n` of `count` repetitions in which it was defined.
 
-    `standard_uncertainty` is that of the mean, the standard deviation over sqrt(n) with n - 1 degrees of
-    freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. That of `uncertainty` and of the JSON is the
-    standard deviation of Student's distribution (JCGM 101:2008, 6.4.9.4), as of every other number: three
-    repetitions are too few to know their scatter. It also contains errors that all repetitions share:
-    `instruments` are those of sensors and clock, `power` is what
-    the power of their noise adds to each, `unshown` what else of type B the scatter is too small to show.
-    Of equal numbers, which no scatter tells of, it is that of a `single` one.
-    `correction` is what was added to the mean for the sensors, `basis` that of the first repetition, and
-    `judged` the limit that holds for them together; None without one.
+    `standard_uncertainty` is that of the mean by the scatter, the standard deviation over sqrt(n) with n - 1
+    degrees of freedom (JCGM 100:2008, 4.2.3), and nan of fewer than two. That of `uncertainty` and of the
+    JSON is the standard deviation of Student's distribution (JCGM 101:2008, 6.4.9.4), as of every other
+    number: three repetitions are too few to know their scatter. It also contains what the scatter does not
+    show: `instruments` are the errors of sensors and clock, `power` is what the power of their noise adds to
+    each, `type_b` what else of type B a repetition states, all of which the repetitions share, and `within`
+    what their own data say beyond the scatter. Of one repetition and of equal numbers, which no scatter tells
+    of, it is that of a `single` one, and `single_reason` says why that is not known. `correction` is what was
+    added to the mean for the sensors, `basis` that of the first repetition, and `judged` the limit that holds
+    for them together; None without one. `lacking` is why repetitions have no value.
     """
 
     name: str
@@ -53,35 +57,57 @@ class Repeated:
     n: int
     instruments: tuple[Contribution, ...] = ()
     power: tuple[Contribution, ...] = ()
-    unshown: tuple[Contribution, ...] = ()
+    type_b: tuple[Contribution, ...] = ()
+    within: tuple[Contribution, ...] = ()
     single: Uncertainty | None = None
+    single_reason: str = ""
     correction: Correction | None = None
     basis: Basis = field(default_factory=Basis)
     judged: JudgedTogether | None = None
+    count: int = 0
+    lacking: str = ""
 
     @property
     def uncertainty(self) -> Uncertainty | None:
         """Of the mean; None where `uncertainty_reason` says why."""
-        if self.n < 2 or self.uncertainty_reason:
+        if self.n < 1 or self.uncertainty_reason:
             return None
-        if self._agree:
+        if self.n == 1 or self._agree:
             return self.single
         source, dof = f"scatter over {self.n} repetitions", self.n - 1.0
         standard = students_deviation(dof) * self.standard_uncertainty
-        line = Contribution(source, "A", standard, dof, of_student=True)
-        scatter = Uncertainty(standard, source, dof, (line,))
-        return scatter.with_power(self.power).with_instruments((*self.unshown, *self.instruments))
+        by_scatter = Contribution(source, "A", standard, dof, of_student=True)
+        own = sorted((by_scatter, *self.within), key=lambda line: -line.standard)
+        found = combined_by_names(own)
+        assert found is not None  # lines of type A are known
+        return found.with_power(self.power).with_instruments((*self.type_b, *self.instruments))
 
     @property
     def uncertainty_reason(self) -> str:
-        """Why a mean of two repetitions and more has no uncertainty; empty where it has one."""
-        errors = (*self.power, *self.unshown, *self.instruments)
+        """Why a mean has no uncertainty; empty where it has one."""
+        if self.n == 1:
+            return "" if self.single is not None else self.single_reason or "one repetition has no scatter"
+        errors = (*self.power, *self.type_b, *self.instruments)
         unknown = [line.name for line in errors if not math.isfinite(line.standard)]
         if unknown:
             return f"not known of its sensors: {'; '.join(unknown)}"
         if self._agree and self.single is None:
             return f"{self.n} repetitions read the same, so that no scatter tells"
         return ""
+
+    @property
+    def remark(self) -> str:
+        """That some repetitions have no value, with the reason; empty where all or none of them have one."""
+        if not 0 < self.n < self.count:
+            return ""
+        why = f": {self.lacking}" if self.lacking else ""
+        have = "has" if self.n == 1 else "have"
+        return f"{self.n} of {self.count} repetitions {have} a value, the others have none{why}"
+
+    @property
+    def n_of_count(self) -> str:
+        """In how many repetitions it was defined, and of how many where these are not all."""
+        return f"{self.n} of {self.count}" if self.remark else str(self.n)
 
     @property
     def _agree(self) -> bool:
@@ -100,7 +126,7 @@ class Repeated:
             self.name,
             self.mean,
             self.unit,
-            f"mean of {self.n} repetitions",
+            f"mean of {count_of(self.n, 'repetition')}",
             self.basis,
             self.uncertainty,
             correction=self.correction,
@@ -115,6 +141,7 @@ class Repeated:
             "n": self.n,
             "unit": self.unit,
         }
+        document |= {"remark": self.remark} if self.remark else {}
         if self.uncertainty is not None:
             document["uncertainty"] = self.uncertainty.to_json()
         elif self.uncertainty_reason:
@@ -173,7 +200,7 @@ class _Group:
     def together(self, limits: Mapping[str, Limit]) -> Iterator[Repeated]:
         """Yield every measurement and every limit over the repetitions."""
         for name in dict.fromkeys((*self.found, *limits)):
-            together = _mean_of(name, self.found.get(name, ()))
+            together = replace(_mean_of(name, self.found.get(name, ())), count=self.count)
             yield replace(together, judged=self._judged(name, limits[name])) if name in limits else together
 
     def _judged(self, name: str, limit: Limit) -> JudgedTogether:
@@ -213,29 +240,36 @@ def _shared(found: Sequence[Measurement]) -> Iterator[Contribution]:
         yield replace(same[0], standard=abs(mean), sign=-1 if mean < 0.0 else 1)
 
 
-def _unshown(found: Sequence[Measurement], spread: float) -> Iterator[Contribution]:
-    """Yield the lines of type B of a repetition, less what the scatter shows of them.
+def _type_b(found: Sequence[Measurement]) -> Iterator[Contribution]:
+    """Yield the lines of type B of a repetition, each as it is in the mean of their squares.
 
-    Repetitions that have an error in common do not scatter by it: readings that end on one step agree, and
-    each is off by it. Of the variance that these lines state the scatter shows as much as the standard
-    deviation `spread` has beyond that of type A; the rest all repetitions share (JCGM 100:2008, 4.3.10 and
-    F.2.2.1).
+    All repetitions have such an error in common, as far as is known: a reading in steps is not better known
+    by being repeated (JCGM 100:2008, 4.3.10 and F.2.2.1).
     """
     known = [_lines(each) for each in found if math.isfinite(each.value)]
-    own = [line for lines in known for line in lines if line.instrument is None and not line.adds_power]
-    by_data = sum(line.experimental**2 for line in own if line.evaluation == "A") / max(1, len(known))
-    names = dict.fromkeys(line.name for line in own if line.evaluation == "B")
-    means = {
-        name: math.sqrt(
-            sum(line.standard**2 for line in own if line.evaluation == "B" and line.name == name) / len(known)
-        )
-        for name in names
-    }
-    stated = math.hypot(*means.values())
-    left = stated**2 - max(0.0, spread**2 - by_data)
-    if not left <= 0.0:  # nan where it is not known
-        for name, standard in means.items():
-            yield Contribution(name, "B", standard * math.sqrt(left) / stated)
+    lines = [line for lines in known for line in lines if line.evaluation == "B"]
+    own = [line for line in lines if line.instrument is None and not line.adds_power]
+    for name in dict.fromkeys(line.name for line in own):
+        square = sum(line.standard**2 for line in own if line.name == name)
+        yield Contribution(name, "B", math.sqrt(square / len(known)))
+
+
+def _within(found: Sequence[Measurement], spread: float) -> Iterator[Contribution]:
+    """Yield the part of the repetitions' own uncertainties of type A that their standard deviation `spread`
+    does not show.
+
+    Few repetitions may agree by chance. The variance of one is at least what its own data say, pooled over
+    all (JCGM 100:2008, 4.2.4): as far as the scatter has less, the rest is added.
+    """
+    known = [each.uncertainty for each in found if each.uncertainty and math.isfinite(each.value)]
+    own = [line for each in known for line in each.budget if line.evaluation == "A" and not line.adds_power]
+    pooled = combined(own, "") if own else None
+    if pooled is None or not pooled.experimental > 0.0:
+        return
+    beyond = pooled.experimental**2 / len(known) - spread**2
+    if beyond > 0.0:
+        factor = math.sqrt(beyond / len(known)) / pooled.experimental
+        yield pooled.line("scatter within each repetition", factor)
 
 
 def _least_known(found: Sequence[Measurement]) -> Uncertainty | None:
@@ -300,10 +334,13 @@ def _mean_of(name: str, found: Sequence[Measurement]) -> Repeated:
         len(values),
         instruments=tuple(_shared(found)),
         power=tuple(_power(found)),
-        unshown=tuple(_unshown(found, spread)),
+        type_b=tuple(_type_b(found)),
+        within=tuple(_within(found, spread)),
         single=_least_known(found),
+        single_reason=next((each.uncertainty_reason for each in found if each.uncertainty_reason), ""),
         correction=_mean_correction(found),
         basis=found[0].basis if found else Basis(),
+        lacking="; ".join(dict.fromkeys(each.reason for each in found if each.reason)),
     )
 
 

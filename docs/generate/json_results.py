@@ -324,10 +324,12 @@ class RepeatedDocument(Document):
     """Number of repetitions."""
     unit: str
     """Unit of the mean."""
+    remark: str | None = None
+    """That some repetitions have no value, with the reason."""
     uncertainty: Uncertainty | None = None
     """Its uncertainty."""
     uncertainty_reason: str | None = None
-    """Why a mean of several has none."""
+    """Why it has none."""
     limit: LimitDocument | None = None
     """The limit that holds for all repetitions together."""
     disagreement: DisagreementDocument | None = None

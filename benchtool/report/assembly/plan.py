@@ -122,7 +122,11 @@ def _headings(judged: Sequence[JudgedTogether]) -> tuple[str, ...]:
 def _repeated_row(each: Repeated, *, judged: bool) -> tuple[str | Cell, ...]:
     """Return a measurement over its repetitions and, where some are `judged`, what of it is and with which
     verdict."""
-    row = (each.name, with_expanded(each.mean, each.uncertainty), each.unit, str(each.n))
+    reason = each.uncertainty_reason
+    notes = (each.remark, f"no uncertainty: {reason}" if reason else "")
+    told = tuple(f"{note[0].upper()}{note[1:].rstrip('.')}." for note in notes if note)
+    name = Cell(each.name, notes=told)
+    row = (name, with_expanded(each.mean, each.uncertainty), each.unit, each.n_of_count)
     held = each.judged
     if held is None:
         return (*row, "", *("" for _ in _OF_LIMITS)) if judged else row

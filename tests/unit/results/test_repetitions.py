@@ -82,6 +82,27 @@ def test_what_was_never_defined_is_null() -> None:
     assert document["repeated"]["u_s_V=60"] == {"torque_mean": expected}
 
 
+def test_a_mean_of_some_of_the_repetitions_says_so() -> None:
+    """One of three had a value: it stood as a mean, without ± and without a word."""
+    none = Measurement.undefined("torque_mean", "Nm", "mean", "no line stands out of the noise")
+    alone = Measurement("torque_mean", 1.0, "Nm", "mean", uncertainty=Uncertainty(0.1, "noise"))
+    names = [case.name for case in cases(_plan(3))[:3]]
+
+    def together(*found: Measurement) -> Repeated:
+        measured = {name: (each,) for name, each in zip(names, found, strict=True)}
+        (repeated,), *_ = over_repetitions(_plan(3), measured).values()
+        return repeated
+
+    one = together(none, alone, none)
+    assert one.uncertainty == alone.uncertainty
+    why = "the others have none: no line stands out of the noise"
+    assert one.remark == one.to_json()["remark"] == f"1 of 3 repetitions has a value, {why}"
+    assert together(alone, alone, none).remark == f"2 of 3 repetitions have a value, {why}"
+    assert together(alone, alone, alone).remark == together(none, none, none).remark == ""
+    unknown = replace(alone, uncertainty=None, uncertainty_reason="no whole periods")
+    assert together(none, unknown, none).uncertainty_reason == "no whole periods"
+
+
 def test_one_repetition_says_nothing() -> None:
     assert Repeated("torque_mean", "Nm", 1.0, math.nan, 1).uncertainty is None
     assert Repeated("torque_mean", "Nm", 1.0, 0.1, 2).uncertainty is not None
@@ -110,7 +131,7 @@ def _judged(judge: str, values: Sequence[float], *, standard: float = 0.0, limit
 
 def test_the_mean_of_repetitions_is_judged_with_its_own_uncertainty() -> None:
     values = [0.9, 1.0, 1.1, 1.0]
-    found = _judged("mean", values, standard=9.0, limit=Limit(max=1.2, margin="U"))
+    found = _judged("mean", values, standard=0.08, limit=Limit(max=1.2, margin="U"))
     u = float(np.std(values, ddof=1)) / 2.0
     assert found.measured is not None
     assert found.measured.uncertainty is not None
@@ -128,7 +149,7 @@ def test_the_mean_of_repetitions_is_judged_with_its_own_uncertainty() -> None:
 def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> None:
     """49 harmonics of noise alone: every repetition reads 7 of its amplitudes, and none scatters by that."""
     added = Contribution("power that the noise adds", "B", 1.3, adds_power=True)
-    scatter = Contribution("noise", "A", 0.2)
+    scatter = Contribution("noise", "A", 0.1)
     values = (1.30, 1.25, 1.45)
     plan = _plan(3).model_copy(
         update={"judge": "mean", "limits": {"current_thd_f": Limit(max=2.0, margin="U")}}
@@ -140,7 +161,7 @@ def test_what_the_power_of_noise_adds_to_each_repetition_is_in_their_mean() -> N
                 value,
                 "%",
                 "harmonics",
-                uncertainty=Uncertainty(math.hypot(1.3, 0.2), "noise", budget=(scatter, added)),
+                uncertainty=Uncertainty(math.hypot(1.3, 0.1), "noise", budget=(scatter, added)),
             ),
         )
         for case, value in zip(cases(plan)[:3], values, strict=True)
@@ -331,33 +352,71 @@ def test_an_error_that_lowers_every_repetition_lowers_their_mean() -> None:
     assert line.sign == -1
 
 
-@pytest.mark.parametrize(
-    ("values", "left"),
-    [
-        ((0.97, 1.0, 1.03), 0.5),  # on one step, which all of them are off by
-        ((0.7, 1.0, 1.3), math.sqrt(0.5**2 - 0.3**2 + 0.1**2)),
-        ((0.0, 1.0, 2.0), 0.0),  # the scatter shows all of it
-    ],
-)
-def test_what_the_scatter_does_not_show_of_type_b_is_in_the_mean(
-    values: tuple[float, ...], left: float
-) -> None:
-    """Readings that agree by their resolution had U = 0, and passed a guarded limit at once."""
+@pytest.mark.parametrize("values", [(0.97, 1.0, 1.03), (0.7, 1.0, 1.3), (0.0, 1.0, 2.0)])
+def test_what_is_of_type_b_in_every_repetition_is_in_their_mean(values: tuple[float, ...]) -> None:
+    """Readings that agree by their resolution had U = 0, and what a scatter might show of it was left out."""
     budget = (
-        Contribution("noise", "A", 0.1),
+        Contribution("noise", "A", 0.02),
         Contribution("resolution", "B", 0.3),
         Contribution("tones nearby", "B", 0.4),
     )
-    each = Uncertainty(math.sqrt(0.26), "test", budget=budget)
-    measured = {
-        case.name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=each),)
-        for case, value in zip(cases(_plan(3))[:3], values, strict=True)
-    }
-    (found,), *_ = over_repetitions(_plan(3), measured).values()
-    assert math.hypot(*(line.standard for line in found.unshown)) == pytest.approx(left)
+    found = _three(*values, uncertainty=Uncertainty(math.sqrt(0.2504), "test", budget=budget))
+    assert [line.name for line in found.type_b] == ["resolution", "tones nearby"]
     scatter = float(np.std(values, ddof=1)) / math.sqrt(3.0)
     assert found.uncertainty is not None
-    assert found.uncertainty.experimental == pytest.approx(math.hypot(scatter, left))
+    assert found.uncertainty.experimental == pytest.approx(math.hypot(scatter, 0.5))
+    assert found.uncertainty.expanded > 1.95 * 0.5
+
+
+def _two(*values: float, standard: float, dof: float = 20.0) -> Repeated:
+    budget = (Contribution("noise", "A", standard, dof),)
+    each = Uncertainty(standard, "noise", dof, budget)
+    measured = {
+        case.name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=each),)
+        for case, value in zip(cases(_plan(2))[:2], values, strict=True)
+    }
+    (found,), *_ = over_repetitions(_plan(2), measured).values()
+    return found
+
+
+def test_two_repetitions_that_agree_by_chance_are_no_better_known_than_their_own_noise_says() -> None:
+    """Their U was a 37th of that of each."""
+    found = _two(1.0, 1.0 + 1e-4, standard=0.01).uncertainty
+    assert found is not None
+    assert found.experimental == pytest.approx(0.01 / math.sqrt(2.0))
+    assert found.dof == pytest.approx(40.0, rel=0.01)
+    assert [(line.name, line.evaluation) for line in found.budget] == [
+        ("scatter within each repetition", "A"),
+        ("scatter over 2 repetitions", "A"),
+    ]
+    assert found.source == "scatter within each repetition, scatter over 2 repetitions"
+
+
+def test_repetitions_that_scatter_by_more_than_their_own_noise_are_known_by_the_scatter_alone() -> None:
+    found = _two(1.0, 1.1, standard=0.01).uncertainty
+    assert found is not None
+    assert [line.name for line in found.budget] == ["scatter over 2 repetitions"]
+    assert found.dof == 1.0
+
+
+@pytest.mark.parametrize("repetitions", [2, 3, 5])
+@pytest.mark.parametrize("between", [0.0, 1.0, 4.0])
+def test_the_mean_of_few_repetitions_holds_its_truth(repetitions: int, between: float) -> None:
+    """With a scatter of `between` among them beside their own noise of 1."""
+    random = np.random.default_rng(repetitions)
+    values = math.hypot(1.0, between) * random.standard_normal((400, repetitions))
+    names = [case.name for case in cases(_plan(repetitions))[:repetitions]]
+    each = Uncertainty(1.0, "noise", 20.0)
+    held = 0
+    for row in values:
+        measured = {
+            name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=each),)
+            for name, value in zip(names, row, strict=True)
+        }
+        (found,), *_ = over_repetitions(_plan(repetitions), measured).values()
+        assert found.uncertainty is not None
+        held += abs(found.mean) <= found.uncertainty.expanded
+    assert 0.88 < held / len(values) <= 1.0
 
 
 def _three(*values: float, **each: object) -> Repeated:
@@ -383,9 +442,8 @@ def test_the_mean_has_the_sensors_of_repetitions_without_an_uncertainty_from_the
     gain = Contribution("gain", "B", 0.2, instrument=InstrumentError("gain", "torque"))
     steps = Contribution("resolution", "B", 0.1)
     found = _three(1.0, 1.03, 1.06, of_sensors=(gain, steps))
-    unshown = 0.1**2 - 0.03**2
     assert found.uncertainty is not None
-    assert found.uncertainty.experimental == pytest.approx(math.sqrt(0.2**2 + unshown + 0.03**2 / 3.0))
+    assert found.uncertainty.experimental == pytest.approx(math.sqrt(0.2**2 + 0.1**2 + 0.03**2 / 3.0))
     lag = Contribution("bandwidth of 100 Hz", "B", math.nan)
     unknown = _three(1.0, 1.1, 1.3, of_sensors=(gain, lag))
     assert unknown.uncertainty is None
