@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
 
 from benchtool.analysis.numbers import number, with_expanded, with_unit
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
@@ -24,6 +24,11 @@ from benchtool.notebook import table_html
 MeasurementJson = dict[str, Any]
 
 
+def _sentences(stated: object) -> object:
+    """Return the one text that a document has as a tuple of it."""
+    return (stated,) if isinstance(stated, str) else stated
+
+
 @dataclass(frozen=True)
 class Basis:
     """The samples and the processing behind a number; fields that do not apply are None or empty.
@@ -31,8 +36,8 @@ class Basis:
     `samples` were used, taken at `sample_rate_Hz` over `duration_s`, with `gaps` places where rows are
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
     `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` states what
-    is unknown about the sensors, or which components they attenuate. `alignment_s` is the standard
-    uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
+    is unknown about the sensors, or which components they attenuate, a sentence each. `alignment_s` is the
+    standard uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
     line of a spectrum is that was chosen as the largest. `frequency_Hz` is that of the line that a number
     is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
     component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
@@ -50,7 +55,7 @@ class Basis:
     harmonics: int | None = None
     reference: str = ""
     gaps: int | None = None
-    sensors: str = ""
+    sensors: Annotated[tuple[str, ...], BeforeValidator(_sentences)] = ()
     alignment_s: float | None = None
     line_Hz: float | None = None
     frequency_Hz: float | None = None
@@ -62,8 +67,10 @@ class Basis:
     flat_crest: float | None = None
 
     def to_json(self) -> dict[str, float | int | str]:
-        """Return the fields that apply; samples as the whole number nearest to that in whole periods."""
-        document = {key: value for key, value in asdict(self).items() if value is not None and value != ""}
+        """Return the fields that apply; samples as the whole number nearest to that in whole periods, the
+        sentences on sensors as one text."""
+        fields = asdict(self) | {"sensors": "; ".join(self.sensors)}
+        document = {key: value for key, value in fields.items() if value is not None and value != ""}
         return document if self.samples is None else document | {"samples": round(self.samples)}
 
 

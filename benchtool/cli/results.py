@@ -15,6 +15,7 @@ from benchtool.analysis import (
     count_of,
     probability,
     raw,
+    sensor_remarks,
     undefined,
     with_expanded,
     without_uncertainty,
@@ -129,14 +130,12 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
         for text in case.remarks:
             output.sentence(f"warning: {_of(case, cases)}{text}", "yellow")
     told: dict[str, None] = {}
-    in_all = set.intersection(*(set(case.of_sensors) for case in cases)) if cases else set()
     for case in cases:
         if case.recorded is not None:
             told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
-        told |= dict.fromkeys(
-            text if text in in_all else f"{_of(case, cases)}{text}" for text in case.of_sensors
-        )
+    told |= dict.fromkeys(_on_sensors(cases))
+    told |= dict.fromkeys(f"{_of(case, cases)}{text}" for case in cases for text in case.notes)
     told |= dict.fromkeys(_reasons(cases, undefined, "undefined"))
     told |= dict.fromkeys(_reasons(cases, without_uncertainty, "without ±"))
     for case in cases:
@@ -152,6 +151,15 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
             told[f"the drive held {key} = {values['drive']}, the profile states {values['profile']}"] = None
     for line in told:
         output.sentence(line, "dim")
+
+
+def _on_sensors(cases: Sequence[Assessment]) -> Iterator[str]:
+    """Yield each remark on sensors once, over all cases; one that does not hold for all with the case."""
+    in_each = [sensor_remarks(case.measurements) for case in cases]
+    for said, text in sensor_remarks(each for case in cases for each in case.measurements).items():
+        told = [case.case for case, own in zip(cases, in_each, strict=True) if said in own]
+        where = f"{told[0]}: " if len(told) == 1 else f"{len(told)} of {len(cases)} cases: "
+        yield text if len(told) == len(cases) else f"{where}{text}"
 
 
 def _reasons(

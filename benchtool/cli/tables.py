@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import sensor_remarks, undefined, without_uncertainty
+from benchtool.analysis import pulse_note, sensor_remarks, undefined, without_uncertainty
 from benchtool.cli import options
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
@@ -96,8 +96,10 @@ def show_table(output: Output, answer: TableAnswer) -> None:
         output.sentence(f"undefined: {', '.join(names)}: {reason}")
     for reason, names in without_uncertainty(answer.measurements).items():
         output.sentence(f"without ±: {named(names)}: {reason}", "dim")
-    for text in sensor_remarks(answer.measurements):
+    for text in sensor_remarks(answer.measurements).values():
         output.sentence(text, "dim")
+    if note := pulse_note(answer.measurements):
+        output.sentence(note, "dim")
     for remark in answer.remarks:
         output.line(f"warning: {remark.text}", "yellow")
     output.line(_read(answer.source))

@@ -267,8 +267,7 @@ def basis_text(basis: Basis) -> str:
         parts.append(f"relative to {basis.reference}")
     if basis.gaps is not None:
         parts.append(count_of(basis.gaps, "gap") if basis.gaps else "no gaps")
-    if basis.sensors:
-        parts.append(basis.sensors)
+    parts += basis.sensors
     return f"Basis: {'; '.join(parts)}." if parts else ""
 
 

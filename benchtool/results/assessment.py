@@ -14,6 +14,7 @@ from benchtool.analysis import (
     SteadyState,
     Table,
     measurements_to_json,
+    pulse_note,
     sensor_remarks,
     signal_remarks,
     tables_to_json,
@@ -68,12 +69,17 @@ class Assessment:
     @property
     def of_sensors(self) -> tuple[str, ...]:
         """Remarks on the sensors, each once, general ones first."""
-        return sensor_remarks(self.measurements)
+        return tuple(sensor_remarks(self.measurements).values())
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Remarks on the recorded signals that do not prevent measurements, a sentence each."""
         return signal_remarks(self.measurements)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What bears on how its numbers are read, a sentence each."""
+        return tuple(filter(None, (pulse_note(self.measurements),)))
 
     @property
     def refusals(self) -> dict[str, list[str]]:

@@ -118,7 +118,7 @@ class BlockResult:
     @property
     def of_sensors(self) -> tuple[str, ...]:
         """What is to be said of the sensors, each sentence once."""
-        return sensor_remarks(self.measurements)
+        return tuple(sensor_remarks(self.measurements).values())
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -147,7 +147,7 @@ class Instruments:
             remarks.append(_of_sensors_alone(lines, each.unit))
         elif each.uncertainty is None:
             remarks += unknown or ([each.uncertainty_reason] if by_data is not None else [])
-        basis = replace(each.basis, sensors="; ".join(filter(None, remarks)))
+        basis = replace(each.basis, sensors=tuple(filter(None, remarks)))
         each = replace(each, basis=basis)
         if not all(math.isfinite(line.standard) for line in lines):
             each = each.without_uncertainty("it is not found again with another error of its sensors")
@@ -375,16 +375,17 @@ def _by_lags(
     return Effect.of_sensors({channel: sensor}, lag, estimate)
 
 
-def sensor_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
-    """Return the remarks on sensors, each once, with the number of measurements that it applies to."""
-    found: dict[str, list[str]] = {}
+def sensor_remarks(measurements: Iterable[Measurement]) -> dict[str, str]:
+    """Return the remarks on sensors, each with the first of the measurements that it applies to and how many
+    more there are, by what they say."""
+    found: dict[str, dict[str, None]] = {}
     for each in measurements:
-        if each.basis.sensors:
-            found.setdefault(each.basis.sensors, []).append(each.name)
-    return tuple(
-        f"{text} ({names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''})"
+        for text in each.basis.sensors:
+            found.setdefault(text, {})[each.name] = None
+    return {
+        text: f"{text} ({next(iter(names))}{f' and {len(names) - 1} more' if len(names) > 1 else ''})"
         for text, names in found.items()
-    )
+    }
 
 
 def _of_sensors_alone(lines: Sequence[Contribution], unit: str) -> str:

@@ -42,7 +42,7 @@ def with_sensors(table: Table, apply: Apply) -> Table:
         for place, row in enumerate(rows):
             read = _read(row, column, units[column.value], table)
             found = apply(read)
-            remarks[found.basis.sensors] = None
+            remarks |= dict.fromkeys(found.basis.sensors)
             if found.correction is not None:
                 added[place] = found.correction.added
             row[column.value] = found.value
@@ -62,7 +62,7 @@ def with_sensors(table: Table, apply: Apply) -> Table:
         table,
         columns=table.columns + extra,
         rows=tuple(tuple(row.values()) for row in rows),
-        basis=replace(table.basis, sensors="; ".join(filter(None, remarks))),
+        basis=replace(table.basis, sensors=tuple(remarks)),
         uncertainty_reason=text,
     )
 

@@ -86,7 +86,7 @@ def table_report(bundle: Bundle) -> Report:
     front += [
         Text(f"Undefined: {', '.join(names)}: {reason}.", "note") for reason, names in undefined.items()
     ]
-    front += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in sensor_remarks(measurements)]
+    front += [Text(f"{text[0].upper()}{text[1:]}.", "note") for text in sensor_remarks(measurements).values()]
     source = manifest.details["source"]
     front += [Section("The table", (_facts(source), run_facts(manifest))), Signatures(ROLES)]
     items: list[Item] = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,3 +42,19 @@ def test_reasons_that_differ_from_case_to_case_are_told_once_and_counted(
     ]
     show_remarks(Output(as_json=False), cases[:1])
     assert capsys.readouterr().out.splitlines()[0].endswith("0.5 Nm, are equally large")
+
+
+def test_what_is_not_known_of_sensors_is_told_once_for_all_cases(capsys: pytest.CaptureFixture[str]) -> None:
+    """It was a line for each of twelve cases, as one of them had a number more."""
+    unstated, clock = "the sensors' own uncertainty is not stated", "the tolerance of the clock is not stated"
+
+    def mean(name: str, *sensors: str) -> Measurement:
+        return Measurement(name, 1.0, "Nm", "", Basis(sensors=sensors))
+
+    cases = [
+        replace(case("A", ""), measurements=(mean("torque_mean", unstated),)),
+        replace(case("B", ""), measurements=(mean("torque_mean", unstated), mean("line", unstated, clock))),
+    ]
+    show_remarks(Output(as_json=False), cases)
+    told = capsys.readouterr().out.splitlines()
+    assert told == [f"{unstated} (torque_mean and 1 more)", f"B: {clock} (line)"]

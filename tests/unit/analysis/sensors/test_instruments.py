@@ -46,7 +46,7 @@ def test_the_headline_contains_gain_and_offset_and_the_budget_names_sensor_and_c
     assert of_gain.standard == pytest.approx(gain)
     assert of_offset.name.endswith("limits of 0.02 Nm, rectangular")
     assert of_offset.standard == pytest.approx(offset)
-    assert mean.basis.sensors == ""
+    assert mean.basis.sensors == ()
 
 
 def test_a_half_width_grows_as_a_standard_uncertainty_does() -> None:
@@ -63,20 +63,20 @@ def test_without_a_bench_nothing_changes_but_what_is_said() -> None:
         reading("torque_error", 0.1, 0.1),
     ]
     after = applied(Bench(), *before)
-    assert [each.basis.sensors for each in after] == [UNSTATED] * 3
+    assert [each.basis.sensors for each in after] == [(UNSTATED,)] * 3
     assert [replace(each, basis=Basis()) for each in after] == before
     stated = Bench(channels={"torque": sensor_of(gain_U_percent=1.0)})
     (error,) = applied(stated, reading("torque_error", 0.1, 0.1))[:1]
-    assert error.basis.sensors == "the uncertainty of torque_transducer is not stated"
+    assert error.basis.sensors == ("the uncertainty of torque_transducer is not stated",)
 
 
 @pytest.mark.parametrize(("unit", "told"), [("Hz", True), ("s", True), ("Nm", False)])
 def test_a_time_or_frequency_says_that_the_clock_is_not_stated(unit: str, told: bool) -> None:
     plain = replace(reading("fundamental_frequency", 50.0, 0.1, unit), sensitivities=NO_SENSORS)
     (bare,) = applied(Bench(), plain)
-    assert bare.basis.sensors == ("the tolerance of the drive's clock is not stated" if told else "")
+    assert bare.basis.sensors == (("the tolerance of the drive's clock is not stated",) if told else ())
     (stated,) = applied(Bench(clock=ReferenceClock(tolerance_ppm=50.0)), plain)
-    assert stated.basis.sensors == ""
+    assert stated.basis.sensors == ()
 
 
 def test_an_uncertainty_that_is_not_known_stays_so() -> None:
@@ -86,7 +86,7 @@ def test_an_uncertainty_that_is_not_known_stays_so() -> None:
     )
     assert unknown.uncertainty is None
     assert unknown.basis.sensors == (
-        "the data give no uncertainty, that of the sensors alone is u = 0.005 Nm"
+        "the data give no uncertainty, that of the sensors alone is u = 0.005 Nm",
     )
     assert undefined.uncertainty is None
 
