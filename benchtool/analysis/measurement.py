@@ -37,9 +37,9 @@ class Basis:
     missing; components up to `bandwidth_Hz` could contribute. `window` names the window and what it spans,
     `harmonics` is the highest harmonic counted, `reference` what a ratio is a ratio to. `sensors` states what
     is unknown about the sensors, or which components they attenuate, a sentence each. `alignment_s` is the
-    standard uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where the one
-    line of a spectrum is that was chosen as the largest. `frequency_Hz` is that of the line that a number
-    is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
+    standard uncertainty with which samples of another clock stand at the drive's ticks. `line_Hz` is where
+    the one line of a spectrum is that was chosen as the largest. `frequency_Hz` is that of the line that a
+    number is, chosen or not; of a table of orders that of the first. `order` is how often in a revolution a
     component repeats itself that comes with the angle of the shaft, such as the one that was chosen as the
     largest. `bin_Hz` is the width of the bins that noise is stated of, and `band` half the width of the band,
     in the signal's unit, within which a signal counts as settled. `span_s` is how long after a step its
