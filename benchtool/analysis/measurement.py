@@ -18,6 +18,8 @@ from benchtool.analysis.uncertainty import (
     combined,
     coverage_factor,
 )
+from benchtool.block import Channel
+from benchtool.document import unit_suffix
 from benchtool.errors import AnalysisError
 from benchtool.notebook import table_html
 
@@ -88,18 +90,20 @@ class Unresolved:
     """What is known of an uncertainty beside the resolution of `channels` that read the same in every sample:
     `beside`."""
 
-    channels: tuple[str, ...]
+    channels: tuple[Channel, ...]
     beside: Uncertainty
 
     @property
     def reason(self) -> str:
         """Why that is not the whole, and what would make it so."""
-        names = " and ".join(self.channels)
-        tables = ", ".join(f"[bench.channels.{each}]" for each in self.channels)
+        names = " and ".join(each.name for each in self.channels)
+        keys = (
+            f"resolution_{unit_suffix(each.unit)} in [bench.channels.{each.name}]" for each in self.channels
+        )
         verb = "read" if len(self.channels) > 1 else "reads"
         return (
-            f"{names} {verb} the same in every sample, and what is below its resolution does not show: state "
-            f"that in {tables}"
+            f"{names} {verb} the same in every sample, which does not show the step of its converter: state "
+            f"{' and '.join(keys)} of the profile"
         )
 
 
@@ -143,7 +147,7 @@ class Measurement:
             return self
         return replace(self, uncertainty=None, uncertainty_reason=reason)
 
-    def without_resolution_of(self, *channels: str) -> Measurement:
+    def without_resolution_of(self, *channels: Channel) -> Measurement:
         """Return it without an uncertainty where channels that it rests on read the same in every sample."""
         if not channels or self.uncertainty is None:
             return self

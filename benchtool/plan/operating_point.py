@@ -28,7 +28,7 @@ from benchtool.analysis import (
     error_of_record,
     record_basis,
 )
-from benchtool.block import Block
+from benchtool.block import Block, Channel
 from benchtool.drive import RemoteDrive
 from benchtool.errors import AnalysisError
 from benchtool.plan.limits import Limit
@@ -37,6 +37,7 @@ from benchtool.profile import Motor
 from benchtool.protocol import Mode
 
 SIGNALS: Final = ("omega_m", "torque", "u_dc")
+_UNITS: Final = dict(zip(SIGNALS, ("rad/s", "Nm", "V"), strict=True))
 READINGS, READING_EVERY_S = 20, 5e-3
 NAMES: Final = ("omega_m_reached", "torque_reached", "load_torque_reached", "u_dc_reached")
 
@@ -226,7 +227,7 @@ class _Mean:
     reading: MeanReading
     basis: Basis
     source: str
-    unresolved: tuple[str, ...] = ()
+    unresolved: tuple[Channel, ...] = ()
 
     def less(self, slope: _Slope, J_kgm2: float) -> _Mean:
         """Return a mean torque less what the slope of the speed takes of it."""
@@ -259,7 +260,7 @@ class _Slope:
         left = samples - np.mean(samples) - slope * period_s * at
         # it is a mean of samples so weighted
         scatter = error_of_record(count * weights * left).line(f"scatter of the slope of {name}")
-        reading = MeanReading.of(name, samples, 1.0 / period_s)
+        reading = MeanReading.of(Channel(name, _UNITS[name]), samples, 1.0 / period_s)
         return cls(slope, scatter, reading, 2.0 * math.sqrt(2.0) / (count * period_s))
 
     @property
@@ -293,7 +294,7 @@ class _Signals:
         spread = float(np.std(readings, ddof=1)) / math.sqrt(len(readings)) if len(readings) > 1 else math.nan
         source = f"{name} read just before the capture"
         scatter = Contribution("scatter of the readings", "A", spread, max(1.0, len(readings) - 1.0))
-        reading = MeanReading.of(name, readings, 1.0 / READING_EVERY_S)
+        reading = MeanReading.of(Channel(name, _UNITS[name]), readings, 1.0 / READING_EVERY_S)
         return _Mean(reading.mean, (scatter,), reading, basis, source)
 
     def on_shaft(self) -> _Mean | None:
@@ -320,7 +321,7 @@ class _Signals:
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
     samples = block.column(name)
     scatter = error_of_record(samples).line("scatter over parts of the record")
-    reading = MeanReading.of(name, samples, block.sample_rate_Hz)
+    reading = MeanReading.of(Channel(name, block.unit(name)), samples, block.sample_rate_Hz)
     return _Mean(reading.mean, (scatter,), reading, record_basis(block), source)
 
 

@@ -55,6 +55,9 @@ _BENCH: Final = """
 # offset_limit_A = 0.02       # A
 # resolution_A = 0.005        # A: a step of the converter
 # bandwidth_Hz = 50e3         # Hz: 3 dB
+#
+# [bench.channels.u_dc]       # at rest it reads the same in every sample, which does not show its step:
+# resolution_V = RESOLUTION   # V: range / 2^bits, here of the emulated converter; u_dc has no ± without
 """
 
 
@@ -77,7 +80,8 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
     parameters = tuple(derived)
     i_trip_A = next(float(each.value) for each in parameters if each.key == "i_trip_A")
     u_dc_max_V = next(float(each.value) for each in parameters if each.key == "u_dc_max_V")
-    i_full_scale_A = _HEADROOM * i_trip_A
+    i_full_scale_A, u_full_scale_V = _HEADROOM * i_trip_A, _HEADROOM * u_dc_max_V
+    bench = _BENCH.replace("RESOLUTION", f"{u_full_scale_V / 2**_ADC_BITS:.6g}")
     p = motor.pole_pairs
     psi_q_Wb = motor.L_q_H * math.sqrt(2.0) * motor.I_N_A_rms
     saturation = {"a_qq": 0.1 / (motor.L_q_H * psi_q_Wb), "T": 1}
@@ -174,7 +178,7 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
             [
                 ("adc_bits", _ADC_BITS, "bits of the converters"),
                 ("i_full_scale_A", i_full_scale_A, "A: end of the range of the phase currents, above i_trip"),
-                ("u_full_scale_V", _HEADROOM * u_dc_max_V, "V: end of the range of u_dc, above u_dc_max"),
+                ("u_full_scale_V", u_full_scale_V, "V: end of the range of u_dc, above u_dc_max"),
                 (
                     "current_noise_A_rms",
                     2.0 * i_full_scale_A / 2**_ADC_BITS,
@@ -189,4 +193,4 @@ def profile_text(title: str, motor: Motor, given: Given, derived: Iterable[Deriv
             ],
         ),
     )
-    return f"{_HEAD}\n{chr(10).join(sections)}{_SENSORS}{_BENCH}"
+    return f"{_HEAD}\n{chr(10).join(sections)}{_SENSORS}{bench}"

@@ -23,7 +23,7 @@ from benchtool.analysis.balances.unknowns import Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
 from benchtool.analysis.sensors.mean_reading import MeanReading
 from benchtool.analysis.validity import clipping, require_finite_channels, require_unbroken
-from benchtool.block import Block
+from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
 from benchtool.profile import Motor
 
@@ -100,7 +100,7 @@ class FluxBalance:
     def link(self) -> MeanReading:
         """The mean dc link: the drive makes a voltage as much larger than it asks for as its reading of the
         link is too small, and every flux and impedance with it."""
-        return MeanReading.of("u_dc", self.ticks.u_dc, 1.0 / self.ticks.T_s)
+        return MeanReading.of(Channel("u_dc", "V"), self.ticks.u_dc, 1.0 / self.ticks.T_s)
 
     @property
     def estimate(self) -> Electrical:

@@ -161,7 +161,7 @@ class Instruments:
         those which are not."""
         if each.unresolved is None:
             return each, []
-        sensors = {channel: self._sensor(channel) for channel in each.unresolved.channels}
+        sensors = {channel.name: self._sensor(channel.name) for channel in each.unresolved.channels}
         lacking = [channel for channel, of in sensors.items() if of is None or not of.resolution]
         return each if lacking else each.with_stated_resolutions(), [f"resolution of {c}" for c in lacking]
 

@@ -18,6 +18,7 @@ from benchtool.analysis.quantisation.read_noise import error_of_mean
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensors.waveform import Waveform, by_steps
 from benchtool.analysis.uncertainty import Contribution
+from benchtool.block import Channel
 
 _FEWEST: Final = 16  # readings that tell a waveform
 _ROUNDING: Final = 1e-9  # of the largest: readings that differ by less are the same
@@ -29,13 +30,15 @@ class MeanReading:
     not a number where all are the same."""
 
     channel: str
+    unit: str
     mean: float
     of_steps: float
 
     @classmethod
-    def of(cls, channel: str, readings: NDArray[np.float64], rate_Hz: float) -> Self:
+    def of(cls, channel: Channel, readings: NDArray[np.float64], rate_Hz: float) -> Self:
         """Return that of even samples, shape (n,)."""
-        return cls(channel, float(np.mean(readings)), _of_steps(readings, rate_Hz))
+        mean, of_steps = float(np.mean(readings)), _of_steps(readings, rate_Hz)
+        return cls(channel.name, channel.unit, mean, of_steps)
 
     @property
     def is_resolved(self) -> bool:
@@ -43,9 +46,9 @@ class MeanReading:
         return math.isfinite(self.of_steps)
 
     @property
-    def unresolved(self) -> tuple[str, ...]:
+    def unresolved(self) -> tuple[Channel, ...]:
         """The channel, where its readings do not show their resolution."""
-        return () if self.is_resolved else (self.channel,)
+        return () if self.is_resolved else (Channel(self.channel, self.unit),)
 
     def line(self, factor: float = 1.0) -> tuple[Contribution, ...]:
         """Return the line of a budget in which the mean counts `factor` times; none where the readings show

@@ -43,7 +43,7 @@ def test_of_samples_that_are_all_the_same_the_stated_resolution_is_what_is_known
     still_V = np.full(200, 122.559)
     unknown = held(still_V, gain_limit_percent=0.5)
     assert unknown.uncertainty is None
-    assert "state that in [bench.channels.u_dc]" in unknown.uncertainty_reason
+    assert "state resolution_V in [bench.channels.u_dc] of the profile" in unknown.uncertainty_reason
     found = held(still_V, gain_limit_percent=0.5, offset_limit_V=0.2, resolution_V=0.488)
     assert not found.uncertainty_reason
     assert found.uncertainty is not None

@@ -138,7 +138,10 @@ def test_the_bench_behind_comments_is_one() -> None:
         text[text.index("# [bench.load]") :].replace("\n#\n", "\n").replace("# [", "[").replace("\n# ", "\n")
     )
     bench = Bench.model_validate(tomllib.loads(behind)["bench"])
-    assert set(bench.channels) == {"i_a"}
+    assert set(bench.channels) == {"i_a", "u_dc"}
+    sensors = tomllib.loads(text)["emulator"]["sensors"]
+    step_V = sensors["u_full_scale_V"] / 2 ** sensors["adc_bits"]
+    assert bench.channels["u_dc"].resolution == pytest.approx(step_V, rel=1e-5)
 
 
 def test_every_line_has_a_comment_in_the_same_column() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchtool.errors import ProfileError
-from benchtool.profile import altered, load_profile
+from benchtool.profile import altered, load_profile, shipped_profiles
 from benchtool.shipped import shipped
 
 TEXT = (shipped("profiles") / "zhu2011" / "profile.toml").read_text(encoding="utf-8")
@@ -34,6 +34,16 @@ def test_every_choice_is_recorded_in_full() -> None:
     choices = load_profile("zhu2011").choices
     assert choices
     assert all(each.choice and each.reason and each.effect for each in choices)
+
+
+@pytest.mark.parametrize("name", shipped_profiles())
+def test_the_step_of_the_dc_link_is_stated_as_the_emulated_converter_has_it(name: str) -> None:
+    """A link at rest does not show it, and without it its mean had no uncertainty with any motor but one."""
+    profile = load_profile(name)
+    assert profile.emulator is not None
+    sensors = profile.emulator.sensors
+    step_V = sensors.u_full_scale_V / 2**sensors.adc_bits
+    assert profile.bench.channels["u_dc"].resolution == pytest.approx(step_V, rel=1e-5)
 
 
 def test_unknown_name_lists_the_known() -> None:

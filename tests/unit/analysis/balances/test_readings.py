@@ -17,7 +17,7 @@ from benchtool.analysis.balances.motion_balance import MOTION_BALANCE, MotionBal
 from benchtool.analysis.balances.readings import of_readings
 from benchtool.analysis.sensitivity import Error
 from benchtool.analysis.uncertainty import Uncertainty
-from benchtool.block import Block
+from benchtool.block import Block, Channel
 from benchtool.profile import Bench, Sensor
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
 from tests.unit.analysis.excited_machine import U_DC, excited_capture
@@ -72,7 +72,7 @@ def test_a_link_that_reads_the_same_in_every_sample_leaves_open_what_scales_with
     assert unknown == BY_LINK & told
     assert {"flux_balance_psi_r", "motion_balance_J"} <= unknown
     for name in unknown:
-        assert "[bench.channels.u_dc]" in found[name].uncertainty_reason
+        assert "state resolution_V in [bench.channels.u_dc] of the profile" in found[name].uncertainty_reason
         assert known(found[name]).standard > 0.0
 
 
@@ -139,6 +139,6 @@ def test_a_belief_is_contradicted_by_what_is_known_beside_the_resolution() -> No
     psi_r = of_a_still_link()["flux_balance_psi_r"]
     (beside,) = deviations([psi_r], {"psi_r": 0.5}, EXAMPLE_MOTOR, U_DC)
     assert beside.contradicts
-    wide = replace(psi_r, uncertainty=Uncertainty(1.0, "")).without_resolution_of("u_dc")
+    wide = replace(psi_r, uncertainty=Uncertainty(1.0, "")).without_resolution_of(Channel("u_dc", "V"))
     (beside,) = deviations([wide], {"psi_r": 0.5}, EXAMPLE_MOTOR, U_DC)
     assert not beside.contradicts

@@ -8,24 +8,26 @@ import numpy as np
 import pytest
 
 from benchtool.analysis.sensors.mean_reading import MeanReading
+from benchtool.block import Channel
 
 STEP_V, RATE_HZ = 0.5, 1e3
+U_DC = Channel("u_dc", "V")
 
 
 def read(values_V: np.ndarray) -> MeanReading:
-    return MeanReading.of("u_dc", STEP_V * np.round(values_V / STEP_V), RATE_HZ)
+    return MeanReading.of(U_DC, STEP_V * np.round(values_V / STEP_V), RATE_HZ)
 
 
 @pytest.mark.parametrize("value_V", [0.0, 122.6])
 def test_readings_that_are_all_the_same_do_not_show_their_steps(value_V: float) -> None:
-    found = MeanReading.of("u_dc", np.full(200, value_V) * (1.0 + 1e-14 * np.arange(200)), RATE_HZ)
+    found = MeanReading.of(U_DC, np.full(200, value_V) * (1.0 + 1e-14 * np.arange(200)), RATE_HZ)
     assert not found.is_resolved
-    assert found.unresolved == ("u_dc",)
+    assert found.unresolved == (U_DC,)
     assert found.line() == ()
 
 
 def test_readings_without_steps_are_off_by_none() -> None:
-    found = MeanReading.of("u_dc", 122.6 + np.random.default_rng(0).standard_normal(2000), RATE_HZ)
+    found = MeanReading.of(U_DC, 122.6 + np.random.default_rng(0).standard_normal(2000), RATE_HZ)
     assert found.is_resolved
     assert found.line() == ()
 
