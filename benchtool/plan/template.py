@@ -97,7 +97,7 @@ def plan_text(title: str, profile_name: str, profile: Profile) -> str:
                 (
                     "duration_s",
                     _rounded(duration_s),
-                    f"s: an electrical period is {period_s:.3g} s, two at least are needed",
+                    f"s: an electrical period is {period_s:.3g} s, five tell every uncertainty",
                 ),
                 ("#stride", 1, "control periods per row"),
                 ("#pretrigger_s", 0.01, "s: what is kept before a stimulus"),

@@ -24,6 +24,7 @@ _PLACES, _INNER = 512, 0.3  # in the record; of it to either side of its middle,
 _OF_PHASE = 30.0  # power of what moves the phase over that of what moves the amplitude
 _OF_NOISE, _SURELY = 2.0, 6.0  # of the power of noise
 _TELLS = 0.5  # of a standard uncertainty
+_OF_ONE_LINE = math.pi / math.sqrt(3.0)  # rad rms: of a phase anywhere in a turn
 
 
 def with_swing(bins: Complexes, count: int, line: Line) -> Line:
@@ -63,12 +64,17 @@ def with_swing(bins: Complexes, count: int, line: Line) -> Line:
     tells = 0.5 * of_phase2 * line.amplitude > _TELLS * line.of_amplitude
     if not (swings and tells and of_phase2 > _SURELY * of_noise2):
         return line
-    swing_rad = math.sqrt(of_phase2)
-    return replace(
-        line,
-        unsure=f"sidebands to both sides, as of a line whose phase swings by {swing_rad:.2g} rad rms: the "
-        f"amplitude is that of the line without them",
+    return replace(line, unsure=_sidebands(math.sqrt(of_phase2)))
+
+
+def _sidebands(swing_rad: float) -> str:
+    """Return what sidebands are as of; a phase that goes further than a turn is not that of one line."""
+    seen = (
+        f"as of a line whose phase swings by {swing_rad:.2g} rad rms"
+        if swing_rad < _OF_ONE_LINE
+        else "as of a line whose phase turns round within the record, or of several lines"
     )
+    return f"sidebands to both sides, {seen}: the amplitude is that of the line without them"
 
 
 def is_sideband(line: Line, other: Line) -> bool:

@@ -91,6 +91,17 @@ def test_sidebands_to_both_sides_are_no_noise_of_the_carrier(sidebands_Hz: float
     assert "as of a line whose phase swings" in amplitude.uncertainty_reason
 
 
+@pytest.mark.parametrize("beta", [5.0, 40.0])
+def test_a_phase_that_turns_round_is_not_said_to_swing(beta: float) -> None:
+    """It was said to swing by 14 rad rms, which is the course of no phase within a turn."""
+    turned = beta * np.sin(2 * np.pi * 4.0 * TIME_S + 0.4)
+    _, amplitude = spectral_lines(changing(np.full(COUNT, 0.05), turned, 1e-3, 3), "torque").measurements
+    assert "as of a line whose phase turns round within the record, or of several lines" in (
+        amplitude.uncertainty_reason
+    )
+    assert "rad rms" not in amplitude.uncertainty_reason
+
+
 def test_sidebands_of_an_amplitude_that_swings_leave_the_carrier_as_it_is() -> None:
     size = 0.05 * (1.0 + 0.4 * np.cos(2 * np.pi * 3.1 * TIME_S + 0.3))
     values = 1.5 + size * np.cos(2 * np.pi * 240.2 * TIME_S)
