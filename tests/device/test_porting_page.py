@@ -38,3 +38,11 @@ def test_the_program_of_the_page_answers(tmp_path: Path) -> None:
             child.kill()
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["state"] == "switch on disabled"
+
+
+def test_the_page_counts_the_entries_of_the_dictionary() -> None:
+    """It said 279 where `info` lists 287."""
+    (stated,) = re.findall(r"table of (\d+) entries", PAGE)
+    header = (FOLDER.parent / "drive_objects.h").read_text(encoding="utf-8")
+    table = header[header.index("#define BT_ENTRIES(X)") :].split("\n\n", 1)[0]
+    assert int(stated) == len(re.findall(r"^ +X\(", table, flags=re.MULTILINE))
