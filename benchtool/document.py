@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import itertools
 import json
 import re
-import reprlib
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args, get_origin
+from typing import Annotated, Any, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
 
 from benchtool.errors import MOST_REASONS, UsageError
+from benchtool.misfits import Path_, described, is_misspelt, key_meant, misfits
 
 _OF_64_BITS = 1 << 63
-_SHOWN = reprlib.Repr()
-_SHOWN.maxstring = _SHOWN.maxother = 120
-
-Path_ = tuple[int | str, ...]
 Item = TypeVar("Item")
 Array = Annotated[tuple[Item, ...], Strict(False)]
 """An array of TOML or JSON, which is a list when it is read, as a tuple."""
 
-_UNION_MEMBERS = frozenset({"float", "int", "str"})  # that pydantic appends to where a value stands
 _SHORT_LIST = 24
 _WIDEST = 44  # column of comments
-_EXPECTED = {  # in the words of TOML, by the type of pydantic's complaint
-    "dict_type": "a table is expected",
-    "model_type": "a table is expected",
-    "model_attributes_type": "a table is expected",
-    "tuple_type": "an array is expected",
-    "list_type": "an array is expected",
-    "float_type": "it should be a valid number, without quotes",
-}
-_TABLE_EXPECTED = frozenset({"dict_type", "model_type", "model_attributes_type"})
 _PART = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _KEYS = rf"{_PART}(?:\s*\.\s*{_PART})*"
 
@@ -101,18 +89,38 @@ def closest(name: str, names: Sequence[str]) -> str:
     return f"{meant}the names are {', '.join(names)}"
 
 
+Faults = Iterable[tuple[Path_, str]]
+"""Places of a document, and what is wrong there."""
+
+
+@dataclass(frozen=True)
+class Further(Generic[Model]):
+    """What else is wrong in a document of which something does not fit the model: `faults` of the rest.
+
+    `stand_in` has values that nothing is wrong with, for those that a document needs and that are left out.
+    """
+
+    faults: Callable[[Model], Faults]
+    stand_in: Mapping[str, Any]
+
+
 def load_document(
     path: Path,
     model: type[Model],
     error: type[UsageError],
     change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
+    further: Further[Model] | None = None,
 ) -> Model:
-    """Return the document at `path` as `model`; `change` may alter what the file has before that is checked.
+    """Return the document at `path` as `model`.
+
+    Args:
+        change: may alter what the file has before that is checked.
+        further: how all that is wrong is told at once, where something does not fit the model.
 
     Raises:
         error: the file cannot be read, is not TOML, or does not fit the model; one line each.
     """
-    return parse_document(read_document(path, error), path, model, error, change)
+    return parse_document(read_document(path, error), path, model, error, change, further)
 
 
 def read_document(path: Path, error: type[UsageError]) -> str:
@@ -133,6 +141,7 @@ def parse_document(
     model: type[Model],
     error: type[UsageError],
     change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
+    further: Further[Model] | None = None,
 ) -> Model:
     """As `load_document`, of a text that has been read from `path`."""
     try:
@@ -149,15 +158,78 @@ def parse_document(
             f"{path}: tables or lists lie deeper in each other than can be read, some levels are expected: "
             f"take the nesting out"
         ) from None
-    try:
-        return model.model_validate(change(content))
-    except ValidationError as failed:
-        wrong = _wrong(model, failed)
-        told = [
-            f"{path}{line_of(text, place)}: {_explain(model, detail)}"
-            for place, detail in wrong[:MOST_REASONS]
-        ]
-        raise error.of_all(told, len(wrong)) from None
+    checked = _Checked.of(model, change(content), {} if further is None else further.stand_in)
+    if checked.rest is not None and not checked.wrong:
+        return checked.rest
+    reasons = [(place, described(model, detail)) for place, detail in checked.wrong[:MOST_REASONS]]
+    if further is not None and checked.rest is not None:
+        reasons += [each for each in further.faults(checked.rest) if not checked.follows(each[0])]
+    told = dict.fromkeys(f"{path}{line_of(text, place)}: {reason}" for place, reason in reasons)
+    raise error.of_all(list(told), max(len(told), len(checked.wrong)))
+
+
+@dataclass(frozen=True)
+class _Checked(Generic[Model]):
+    """What is `wrong` in a document, the places that are `left_out` for it, and the `rest`; None where that
+    is no document."""
+
+    wrong: list[tuple[Path_, ErrorDetails]]
+    left_out: frozenset[Path_]
+    rest: Model | None
+
+    @classmethod
+    def of(cls, model: type[Model], content: Mapping[str, Any], stand_in: Mapping[str, Any]) -> Self:
+        """Check content.
+
+        A table is looked at as a whole once its keys are right. So misspelt keys are taken for those that
+        they are like, what else is wrong is left out, and the rest is looked at again; values that it needs
+        are those of `stand_in` then.
+        """
+        wrong: list[tuple[Path_, ErrorDetails]] = []
+        found = cls(wrong, frozenset(), None)
+        while True:
+            try:
+                return replace(found, rest=model.model_validate(content))
+            except ValidationError as failed:
+                new = [each for each in misfits(model, failed) if not found.follows(each[0])]
+            wrong += new
+            mended = copy.deepcopy(dict(content))
+            for place, detail in sorted(new, key=_later) if len(wrong) <= MOST_REASONS else ():
+                misspelt = is_misspelt(detail)
+                _mend(mended, place, key_meant(model, detail) if misspelt else "")
+                found = found if misspelt else replace(found, left_out=found.left_out | {place})
+            for place in () if new else found.left_out:
+                _fill(mended, place, stand_in)
+            if mended == content:
+                return found
+            content = mended
+
+    def follows(self, place: Path_) -> bool:
+        """Return whether something is left out at a place or in the table there, so that what is wrong with
+        that may follow from it."""
+        return any(out[: len(place)] == place for out in self.left_out)
+
+
+def _later(wrong: tuple[Path_, ErrorDetails]) -> tuple[int, ...]:
+    """Return the sort key by which what stands later in an array comes first, so that taking it out moves
+    nothing that is to be taken out after it."""
+    return tuple(-part for part in wrong[0] if isinstance(part, int))
+
+
+def _mend(content: Any, place: Path_, meant: str) -> None:
+    """Call what stands at a place as it was `meant`, or take it out of the content."""
+    *tables, last = place or ("",)
+    for key in tables:
+        try:
+            content = content[key]
+        except (KeyError, IndexError, TypeError):  # a place that the document has in another form
+            return
+    if isinstance(content, dict) and last in content:
+        value = content.pop(last)
+        if meant:
+            content.setdefault(meant, value)
+    elif isinstance(content, list) and isinstance(last, int) and last < len(content):
+        content.pop(last)
 
 
 def _require_64_bits(content: object) -> None:
@@ -173,136 +245,19 @@ def _require_64_bits(content: object) -> None:
                 raise ValueError
 
 
-def explain(model: type[BaseModel], failed: ValidationError) -> str:
-    """Return half a line on why content does not fit `model`: the first key, what was seen, what to do."""
-    (_, first), *others = _wrong(model, failed)
-    told = _explain(model, first)
-    return f"{told} (and {len(others)} more)" if others else told
-
-
-def _wrong(model: type[BaseModel], failed: ValidationError) -> list[tuple[Path_, ErrorDetails]]:
-    """Return what is wrong, each thing once with its place: misspelt keys before what is missing because of
-    them, which is told of the first `MOST_REASONS`."""
-    details = sorted(failed.errors(), key=lambda each: each["type"] != "extra_forbidden")
-    found: dict[Path_, ErrorDetails] = {}
-    around: set[Path_] = set()  # places that have one of these, and the arrays and tables about them
-    meant: set[Path_] = set()
-    for detail in details:
-        place = _location(model, detail)
-        # pydantic reports every member of a union, and then the array or table around them
-        if place in meant or place in around:
-            continue
-        found[place] = detail
-        around.update(place[:depth] for depth in range(len(place) + 1))
-        misspelt = detail["type"] == "extra_forbidden" and len(found) <= MOST_REASONS
-        if misspelt and (key := _key_meant(model, detail)):
-            meant.add((*place[:-1], key))
-    return list(found.items())
-
-
-def _key_meant(model: type[BaseModel], detail: ErrorDetails) -> str:
-    """Return the known key that an unknown one is like; empty if there is none."""
-    close = difflib.get_close_matches(
-        str(detail["loc"][-1]), _allowed_keys(model, detail["loc"][:-1]), n=1, cutoff=0.5
-    )
-    return close[0] if close else ""
-
-
-def _location(model: type[BaseModel], detail: ErrorDetails) -> Path_:
-    """Return where in the document a value is wrong."""
-    location = _without_kinds(model, detail["loc"])
-    return location[:-1] if location and location[-1] in _UNION_MEMBERS else location
-
-
-def _without_kinds(model: type[BaseModel], location: Path_) -> Path_:
-    """Return a location without the kinds of tables that pydantic puts into it where a table is one of
-    several."""
-    kept: list[int | str] = []
-    models = [model]
-    for part in location:
-        if len(models) > 1 and (chosen := [each for each in models if _is_kind(each, part)]):
-            models = chosen
-            continue
-        kept.append(part)
-        models = _models_at(models, part)
-    return tuple(kept)
-
-
-def _is_kind(model: type[BaseModel], part: int | str) -> bool:
-    field = model.model_fields.get("kind")
-    return field is not None and part in get_args(field.annotation)
-
-
-def _models_at_location(model: type[BaseModel], location: Path_) -> list[type[BaseModel]]:
-    """Return the models that the table at a location may have; none where a value is expected."""
-    models = [model]
-    for part in location:
-        models = _models_at(models, part)
-    return models[:1]
-
-
-def _required(model: type[BaseModel]) -> list[str]:
-    return [name for name, field in model.model_fields.items() if field.is_required()]
-
-
-def _models_at(models: Sequence[type[BaseModel]], part: int | str) -> list[type[BaseModel]]:
-    """Return the models that a key of some models may have; those of an array's items are the array's own."""
-    if isinstance(part, int):
-        return list(models)
-    fields = [each.model_fields[part] for each in models if part in each.model_fields]
-    return [found for field in fields for found in _models_in(field.annotation)]
-
-
-def _models_in(annotation: object) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [found for each in get_args(annotation) for found in _models_in(each)]
+def _fill(content: Any, place: Path_, stand_in: Any) -> None:
+    """Give a place that has none the value of `stand_in`, if that has one."""
+    *tables, last = place or ("",)
+    for key in tables:
+        if not (isinstance(stand_in, Mapping) and isinstance(content, dict) and key in stand_in):
+            return
+        content, stand_in = content.setdefault(key, {}), stand_in[key]
+    if isinstance(stand_in, Mapping) and isinstance(content, dict) and last in stand_in:
+        content.setdefault(last, stand_in[last])
 
 
 def _reason(reason: OSError | UnicodeDecodeError) -> str:
     return reason.strerror or str(reason) if isinstance(reason, OSError) else "it is not UTF-8 text"
-
-
-def _explain(model: type[BaseModel], detail: ErrorDetails) -> str:
-    location = _location(model, detail)
-    key = ".".join(str(part) for part in location)
-    if detail["type"] == "extra_forbidden":
-        known = ", ".join(_allowed_keys(model, detail["loc"][:-1]))
-        hint = f"did you mean '{meant}'?" if (meant := _key_meant(model, detail)) else f"known here: {known}"
-        return f"unknown key '{key}': {hint}"
-    if detail["type"] == "missing":
-        needed = [each for found in _models_at_location(model, location) for each in _required(found)]
-        return f"key '{key}' is missing: add it" + (f", a table with {', '.join(needed)}" if needed else "")
-    if detail["type"] == "union_tag_not_found":
-        return f"key '{key}.kind' is missing: add it"
-    if detail["type"] == "union_tag_invalid":
-        context = detail["ctx"]
-        return f"key '{key}.kind' is '{context['tag']}': {context['expected_tags']} are the kinds known here"
-    message = _EXPECTED.get(detail["type"], detail["msg"].removeprefix("Value error, "))
-    message = message[:1].lower() + message[1:]
-    if detail["type"] in _TABLE_EXPECTED and (keys := _allowed_keys(model, detail["loc"])):
-        message += f", of {', '.join(keys[:_SHORT_LIST])}"
-    if isinstance(detail["input"], dict):  # a whole table, of which only the keys together are wrong
-        return f"[{key}]: {message}" if key else message
-    return f"key '{key}' is {_SHOWN.repr(detail['input'])}: {message}"
-
-
-def _allowed_keys(model: type[BaseModel], location: Path_) -> list[str]:
-    """Return the keys of the table at a location as pydantic tells it, with the kinds of tables."""
-    models = [model]
-    parts = iter(location)
-    for part in parts:
-        chosen = [each for each in models if _is_kind(each, part)] if len(models) > 1 else []
-        if _of_chosen_keys(models, part):
-            next(parts, None)  # a key that the document chooses
-        models = chosen or _models_at(models, part)
-    return list(models[0].model_fields) if models else []
-
-
-def _of_chosen_keys(models: Sequence[type[BaseModel]], part: int | str) -> bool:
-    """Return whether a key holds tables under names that the document chooses."""
-    fields = [each.model_fields.get(str(part)) for each in models]
-    return any(field is not None and get_origin(field.annotation) is dict for field in fields)
 
 
 def line_of(text: str, location: Path_) -> str:

@@ -55,7 +55,7 @@ class Bundle:
         """
         from pydantic import ValidationError
 
-        from benchtool.document import explain
+        from benchtool.misfits import explain
         from benchtool.profile import Profile
 
         try:

@@ -16,8 +16,8 @@ from pydantic import ValidationError
 from benchtool.api.load import Ask
 from benchtool.api.named import Named
 from benchtool.api.results import Results
-from benchtool.document import explain
 from benchtool.errors import PlanError, UsageError
+from benchtool.misfits import explain
 from benchtool.notebook import table_html
 from benchtool.plan import Verdict, model
 

@@ -133,7 +133,7 @@ def _transducer_of(block: Block) -> Block | None:
 def _analyses(asked: Mapping[str, Any]) -> Analyses:
     from pydantic import ValidationError
 
-    from benchtool.document import explain
+    from benchtool.misfits import explain
     from benchtool.plan import Analyses
 
     try:

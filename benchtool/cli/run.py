@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from benchtool.cli import options, proposals
-from benchtool.errors import PlanError, UsageError
-from benchtool.plan import Plan, for_motor, load_plan, plan_names, profiles_of
-from benchtool.profile import load_profile
+from benchtool.document import Faults
+from benchtool.errors import BenchError, PlanError, UsageError
+from benchtool.plan import Plan, for_motor, load_plan, plan_names, plan_path, profiles_of
+from benchtool.profile import load_profile, profile_path
 
 
 @dataclass(frozen=True)
@@ -174,7 +176,7 @@ def run_named(name: str, chosen: RunOptions) -> int:
 
 def _read(name: str, profile: str, given: tuple[str, ...], *, single: bool) -> Iterator[NamedPlan]:
     """Yield the plan with each of its profiles, its values in SI for the motor of that."""
-    plan = load_plan(name)
+    plan = load_plan(name, further=partial(_further_faults, name, profile))
     places = (profile,) if profile else profiles_of(name, plan)
     for place in places:
         if not profile and place.endswith(".toml") and not Path(place).is_file():
@@ -191,6 +193,21 @@ def _read(name: str, profile: str, given: tuple[str, ...], *, single: bool) -> I
         in_si = in_si.model_copy(update={"case": in_si.case or alone})
         label, part = (place, alone) if single else (f"{name} {place}", f"{stem}/{alone}")
         yield NamedPlan(name, in_si, place, label, part)
+
+
+def _further_faults(name: str, profile: str, rest: Plan) -> Faults:
+    """Yield what is wrong of the names and values in the rest of a plan of which a key is wrong, by its first
+    profile."""
+    from benchtool.plan import Source, faults_of  # which import the analyses
+    from benchtool.protocol.dictionary import profiled_dictionary
+
+    with suppress(BenchError):  # of the profile, which is told once the plan's keys are right
+        place = profile or profiles_of(name, rest)[0]
+        stated = load_profile(place)
+        dictionary = profiled_dictionary(stated, profile_path(place), stated.drive.node_id)
+        source, in_si = Source.of(rest, plan_path(name)), for_motor(rest, stated.motor)
+        # whether the bench has a transducer is told likewise
+        yield from faults_of(in_si, source, stated, dictionary, transducer=True)
 
 
 def _changed(name: str, profile: str, given: tuple[str, ...]) -> Plan:

@@ -52,8 +52,10 @@ from .rated import (
 )
 from .rating import require_rated as require_rated
 from .sensor_ranges import require_protected as require_protected
+from .source import Source as Source
 from .template import plan_text as plan_text
 from .validation import (
     expected_period_s as expected_period_s,
+    faults_of as faults_of,
     require_known as require_known,
 )

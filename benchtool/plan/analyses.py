@@ -27,7 +27,8 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails
 
-from benchtool.document import Path_, Section, closest
+from benchtool.document import Section, closest
+from benchtool.misfits import Path_
 from benchtool.plan.former_names import present_name
 from benchtool.plan.lazy_catalogue import catalogue
 

@@ -10,7 +10,16 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 from pydantic_core import InitErrorDetails
 
-from benchtool.document import Array, Section, closest, defaults, document_path, load_document
+from benchtool.document import (
+    Array,
+    Faults,
+    Further,
+    Section,
+    closest,
+    defaults,
+    document_path,
+    load_document,
+)
 from benchtool.drive import Stimulus
 from benchtool.errors import PlanError
 from benchtool.plan.analyses import Analyses
@@ -330,16 +339,32 @@ def recorded_plan(document: Mapping[str, Any]) -> Plan:
     return Plan.model_validate(upgraded(document))
 
 
+_STAND_IN: Final = {
+    "title": "-",
+    "operating_point": {"omega_m_rad_s": 1.0},
+    "record": {"duration_s": 3600.0},
+}
+"""What a plan needs, with values by which nothing else in it is wrong."""
 Change = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
-def load_plan(name: str, change: Change = lambda content: content) -> Plan:
-    """Return the plan of a name or of a file; `change` may alter what the file has before that is checked.
+def load_plan(
+    name: str,
+    change: Change = lambda content: content,
+    further: Callable[[Plan], Faults] | None = None,
+) -> Plan:
+    """Return the plan of a name or of a file.
+
+    Args:
+        name: of a plan that ships, or a file.
+        change: may alter what the file has before that is checked.
+        further: what else is wrong in the rest of a plan of which a key is wrong.
 
     Raises:
         PlanError: unknown, unreadable, or a key is wrong.
     """
-    return load_document(plan_path(name), Plan, PlanError, change)
+    rest = None if further is None else Further(further, _STAND_IN)
+    return load_document(plan_path(name), Plan, PlanError, change, rest)
 
 
 def profiles_of(name: str, plan: Plan) -> tuple[str, ...]:

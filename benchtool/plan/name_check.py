@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from benchtool.analysis import Analysis, catalogue
-from benchtool.document import Path_, Section, closest, unit_suffix
+from benchtool.document import Section, closest, unit_suffix
+from benchtool.misfits import Path_
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.former_names import present_name
 from benchtool.plan.limits import Limit

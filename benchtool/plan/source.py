@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from benchtool.document import Path_, line_of
+from benchtool.document import line_of
+from benchtool.misfits import Path_
 from benchtool.plan.model import Plan
 
 

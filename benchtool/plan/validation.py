@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from benchtool.analysis.responses import FREQUENCY_RESPONSE
-from benchtool.document import Path_, closest, line_of
+from benchtool.document import closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
+from benchtool.misfits import Path_
 from benchtool.plan.analyses import spelled
 from benchtool.plan.cases import Case, cases
 from benchtool.plan.model import Plan, Setting
@@ -63,10 +64,23 @@ def require_known(
     if wrong:
         raise ProfileError.of_all(wrong)
     source = Source.of(plan, path)
+    found = faults_of(plan, source, profile, dictionary, transducer=transducer)
+    if reasons := dict.fromkeys(f"{source.place(location)}: {reason}" for location, reason in found):
+        raise PlanError.of_all(list(reasons))
+
+
+def faults_of(
+    plan: Plan, source: Source, profile: Profile, dictionary: Dictionary, *, transducer: bool
+) -> Faults:
+    """Yield each name and value of a plan that is unknown, out of its limits or cannot be measured: where,
+    and why.
+
+    Args: as `require_known`; `source` is where the plan comes from.
+    """
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
     naming = NameCheck(plan, profile.motor, transducer, stream, units)
-    found = itertools.chain(
+    yield from itertools.chain(
         _setting_faults(plan, dictionary),
         _channel_faults(plan, dictionary),
         _case_faults(plan),
@@ -76,8 +90,6 @@ def require_known(
         _window_faults(plan, profile, dictionary),
         _as_written(naming.faults(), source.document),
     )
-    if reasons := dict.fromkeys(f"{source.place(location)}: {reason}" for location, reason in found):
-        raise PlanError.of_all(list(reasons))
 
 
 def _profile_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[Path_, str, str]]:

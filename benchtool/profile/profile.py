@@ -14,12 +14,12 @@ from benchtool.document import (
     Section,
     defaults,
     document_path,
-    explain,
     load_document,
     parse_document,
     read_document,
 )
 from benchtool.errors import ProfileError
+from benchtool.misfits import explain
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
 from benchtool.profile.drive import CONTROL_PERIOD_S, Drive, RoleObject, rate_fault

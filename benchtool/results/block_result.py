@@ -36,8 +36,8 @@ from benchtool.analysis import (
     undefined,
 )
 from benchtool.block import Block
-from benchtool.document import explain
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.plan import Analyses
 from benchtool.profile import Motor, Profile
 from benchtool.results.analyses import Planned, measure_each, planned, with_numbers, without_channels

@@ -11,8 +11,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from benchtool.analysis import count_of
-from benchtool.document import explain
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.profile import Bench, Instrument, Profile, bench_of
 from benchtool.recording import Manifest
 

@@ -20,8 +20,8 @@ from benchtool.analysis import (
     steady_state_of,
 )
 from benchtool.block import Block
-from benchtool.document import explain
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.plan import (
     CaseReadings,
     JudgedLimit,

@@ -16,8 +16,8 @@ from pydantic import ValidationError
 
 from benchtool.analysis import Instruments, Measurement, crop_to, measurements_from_json, steady_state_of
 from benchtool.block import Block
-from benchtool.document import explain
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.plan import Analyses, Coordinates, measure_held
 from benchtool.profile import Motor, Profile
 from benchtool.recording import Bundle, Manifest

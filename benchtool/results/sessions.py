@@ -12,8 +12,9 @@ from typing import Annotated, Any, Final
 from pydantic import Field, ValidationError
 
 from benchtool.analysis import Measurement, Uncertainty
-from benchtool.document import Array, Section, explain
+from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
+from benchtool.misfits import explain
 from benchtool.plan import JudgedLimit, Limit, Verdict, worst
 from benchtool.recording import Conditions, read_sealed_json, write_json
 

@@ -8,8 +8,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from benchtool.analysis import Analysis, catalogue
-from benchtool.document import Section, closest, explain
+from benchtool.document import Section, closest
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.tables.selection import Selection
 from benchtool.tables.text import TextTable
 from benchtool.tables.units import KNOWN

@@ -11,8 +11,9 @@ from pydantic import Field, ValidationError
 
 from benchtool.analysis import Instruments, Measurement, Perturbed, Table
 from benchtool.block import Block, Channel
-from benchtool.document import Section, defaults, explain
+from benchtool.document import Section, defaults
 from benchtool.errors import AnalysisError
+from benchtool.misfits import explain
 from benchtool.profile import Bench
 from benchtool.tables.analyses import results
 from benchtool.tables.asked_analyses import asked_again, asked_findings

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from benchtool.recording import BundleWriter
 from benchtool.telemetry.fanout import Sink
 from benchtool.telemetry.stream import DEFAULT_RATE_HZ, TelemetryStream
 from benchtool.telemetry.streamed_drive import StreamedDrive
+
+if TYPE_CHECKING:
+    from benchtool.recording import BundleWriter
 
 STREAM = "telemetry"
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from benchtool.cli import app
 from benchtool.errors import PlanError, ProfileError
 from benchtool.plan.model import load_plan
 from benchtool.plan.validation import require_known
@@ -109,3 +111,64 @@ def test_every_name_and_value_that_nothing_knows(tmp_path: Path) -> None:
         (13, "no measurement is called 'torque_ripple_p': did you mean 'torque_ripple_pp'"),
     ):
         assert f"{path}, line {line}: {what}" in told, what
+
+
+WRONG_IN_EVERY_WAY = """\
+title = "x"
+profile = "zhu2011"
+repetitons = 3
+judge = "mean"
+[operating_point]
+omega_m_rad_s = "fast"
+load_torq_Nm = 100.0
+[record]
+duration_s = -0.22
+channels = ["i_a", "torqe", "torque", "theta_m"]
+[limits]
+torque_ripple_p = { max = 0.045 }
+torque_ripple_pp = { min = 2.0, max = 1.0 }
+"""
+
+
+def test_keys_values_and_names_are_told_at_once(tmp_path: Path) -> None:
+    """Values were told once the keys were right, and names once the values were."""
+    path = tmp_path / "bad.toml"
+    path.write_text(WRONG_IN_EVERY_WAY, encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(path)])
+    assert result.exit_code == 2
+    told = result.stderr.splitlines()
+    for line, what in (
+        (3, "unknown key 'repetitons': did you mean 'repetitions'?"),
+        (7, "unknown key 'operating_point.load_torq_Nm': did you mean 'load_torque_Nm'?"),
+        (6, "key 'operating_point.omega_m_rad_s' is 'fast': "),
+        (9, "key 'record.duration_s' is -0.22: "),
+        (13, "[limits.torque_ripple_pp]: min 2.0 is above max 1.0"),
+        (5, "load_torque_Nm is 100, "),  # the table, which does not have that key
+        (10, "no signal 'torqe' to capture: did you mean 'torque'"),
+        (12, "no measurement is called 'torque_ripple_p': did you mean 'torque_ripple_pp'"),
+    ):
+        assert [each for each in told if f"{path}, line {line}: {what}" in each], what
+    assert len(told) == 8  # nothing that follows from what is left out
+
+
+def test_a_table_is_looked_at_as_a_whole_without_what_is_wrong_in_it(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    text = PLAN_OF_TWO.replace("repetitions = 2", 'repetitions = 1\njudge = "mean"\ntitel = "y"')
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(PlanError) as failed:
+        load_plan(str(path))
+    told = "\n".join(lines(failed.value))
+    assert "unknown key 'titel'" in told
+    assert "judge = 'mean' is over repetitions, of which there is one" in told
+
+
+PLAN_OF_TWO = """\
+title = "x"
+profile = "zhu2011"
+repetitions = 2
+[operating_point]
+omega_m_rad_s = 15.71
+[record]
+duration_s = 0.5
+channels = ["torque", "theta_m"]
+"""
