@@ -11,7 +11,6 @@ import numpy as np
 
 from benchtool.analysis import (
     Measurement,
-    PhaseTrack,
     Table,
     count_of,
     held_rows,
@@ -145,7 +144,7 @@ def _current(record: Record, periods: Periods) -> Iterator[Measurement | Table]:
         yield from _unbalance(record, None, reason)
         return
     yield from _told(even, spectrum.measurements)
-    yield from _told(even, _unbalance(even, spectrum.track, ""))
+    yield from _told(even, _unbalance(even, spectrum, ""))
     yield from _told(even, spectrum.tables)
 
 
@@ -181,18 +180,18 @@ def _current_spectrum(record: Record, periods: Periods, name: str) -> CurrentSpe
     )
 
 
-def _unbalance(record: Record, track: PhaseTrack | None, refusal: str) -> Iterator[Measurement]:
-    """Yield the symmetrical components of three phase currents along a track, or why there are none; nothing
-    of fewer currents."""
+def _unbalance(record: Record, of_a: CurrentSpectrum | None, refusal: str) -> Iterator[Measurement]:
+    """Yield the symmetrical components of three phase currents along the track of the first, or why there are
+    none; nothing of fewer currents."""
     if not record.channels.keys() >= set(PHASES):
         return
     names = [record.channels[each].name for each in PHASES]
     reasons = (record.dead(each) or _held(record, each) for each in PHASES)
     refusal = refusal or next(filter(None, reasons), "")
     try:
-        if track is None or record.uniform is None or refusal:
+        if of_a is None or record.uniform is None or refusal:
             raise AnalysisError(refusal)
-        yield from current_unbalance(record.uniform, track, names)
+        yield from current_unbalance(record.uniform, of_a.track, names, known={names[0]: of_a})
     except AnalysisError as refused:
         of = f"of {', '.join(names)}"
         for each in CURRENT_UNBALANCE.quantities:

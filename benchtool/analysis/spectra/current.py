@@ -57,7 +57,7 @@ _NO_FLOOR = "fewer than 8 bins are between harmonics, or few periods in which th
 @dataclass(frozen=True)
 class CurrentSpectrum:
     """Result of `current_spectrum`; `spectrum`, of `coherent`, is in A peak, along `track`, which follows the
-    fundamental.
+    fundamental. For the share `flat_crest` of a period the current stays level at a crest.
     """
 
     measurements: tuple[Measurement, ...]
@@ -65,6 +65,7 @@ class CurrentSpectrum:
     spectrum: CoherentSpectrum
     track: PhaseTrack
     coherent: CoherentSamples
+    flat_crest: float
 
 
 def current_spectrum(
@@ -158,14 +159,15 @@ def current_spectrum(
     of_lines = replace(lines, harmonics=len(errors.phase))
     table = harmonic_table(clean, "current_harmonics", channel, unit, of_lines, errors=errors)
     why = sound.of_amplitudes
-    if not why and (share := flat_crest(samples, found.turns, step)):
+    share = flat_crest(samples, found.turns, step)
+    if share and not why:
         why = crest_is_flat(share)
         numbers = (numbers[0], *(with_flat_crest(each, share) for each in numbers[1:]))
     tables = [table.without_uncertainty(why) if why else table]
     if groups is not None:
         of_groups = group_basis(found.coherent, groups, basis)
         tables.append(group_table(groups, "current_groups", unit, of_groups))
-    return CurrentSpectrum(numbers, tuple(tables), spectrum, track, found.coherent)
+    return CurrentSpectrum(numbers, tuple(tables), spectrum, track, found.coherent, share)
 
 
 def _errors(

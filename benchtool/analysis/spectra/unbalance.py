@@ -33,7 +33,7 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend
-from benchtool.analysis.spectra.current import current_of
+from benchtool.analysis.spectra.current import CurrentSpectrum, current_of
 from benchtool.analysis.spectra.flat_crests import flat_crest, with_flat_crest
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED, PeriodsInTime
@@ -163,7 +163,7 @@ def current_unbalance(
     block: Block,
     track: PhaseTrack,
     channels: Sequence[str] = ("i_a", "i_b", "i_c"),
-    known: Mapping[str, CoherentSamples] | None = None,
+    known: Mapping[str, CurrentSpectrum] | None = None,
 ) -> tuple[Measurement, ...]:
     """Return the sequence components of the fundamental, A peak, and the unbalance factors, %.
 
@@ -174,19 +174,20 @@ def current_unbalance(
         track: electrical phase over the rows, as `CurrentSpectrum.track` has it.
         channels: the currents of phases a, b and c; if one current was computed from the other two, the zero
             sequence is zero by definition.
-        known: those of the channels that are sampled along the track already.
+        known: the spectra along that track of those channels that have one already.
 
     Raises:
         AnalysisError: a gap, a missing channel, a dead signal, or fewer than two electrical periods.
     """
     require_unbroken(block)
     columns = [np.ascontiguousarray(block.column(name)) for name in channels]
-    known = dict(known or {})
+    known = known or {}
+    sampled = {name: each.coherent for name, each in known.items()}
     others = {name: each for name, each in zip(channels, columns, strict=True) if name not in known}
     if others:
-        sampled = coherent_samples_of_all(others, block.sample_rate_Hz, track)
-        known |= zip(others, sampled, strict=True)
-    read = [known[name] for name in channels]
+        of_others = coherent_samples_of_all(others, block.sample_rate_Hz, track)
+        sampled |= zip(others, of_others, strict=True)
+    read = [sampled[name] for name in channels]
     tones = _tones(read)
     parts = [_without(*each) for each in zip(read, tones, strict=True)]
     first = parts[0]
@@ -225,7 +226,11 @@ def current_unbalance(
     reason = next(filter(None, map(clipping, columns)), "")
     reason = reason or change_of_regime(np.abs(sequences[0].of_periods), "the positive-sequence current")
     numbers = _numbers(components, beside, channels, block.unit(channels[0]), basis, reason)
-    if share := max(flat_crest(each, turns, step) for each, step in zip(columns, resolutions, strict=True)):
+    shares = (
+        known[name].flat_crest if name in known else flat_crest(each, turns, step)
+        for name, each, step in zip(channels, columns, resolutions, strict=True)
+    )
+    if share := max(shares):
         return tuple(with_flat_crest(each, share) for each in numbers)
     return tuple(numbers)
 
@@ -422,7 +427,7 @@ def _numbers(
 
 def _measure(window: Window, _: NoSettings) -> Findings:
     of_a = window.cached(current_of)
-    return Findings(current_unbalance(window.block, of_a.track, known={"i_a": of_a.coherent}))
+    return Findings(current_unbalance(window.block, of_a.track, known={"i_a": of_a}))
 
 
 CURRENT_UNBALANCE: Final = Analysis(

@@ -390,7 +390,7 @@ class NoisyCurve:
 
     def _settled(self, away: Floats, band: float, since: int) -> Instant | None:
         """Return `last_outside` of a curve so far `away` from its level, shape (n,), that noise moves."""
-        settled = SettledCourse.of(away, self.errors, band, since)
+        settled = SettledCourse.of(away, self.errors, self.standard, band, since)
         course = settled.without_noise(away)
         found = last_passage(course, 0.0, band)
         if found is None:

@@ -37,10 +37,10 @@ class SettledCourse:
     most_late: float
 
     @classmethod
-    def of(cls, away: Floats, errors: Floats, band: float, since: int) -> SettledCourse:
-        """Return that of a curve so far `away` from the level, shape (n,), of which noise makes these
-        `errors`, shape (draws, n), after a step or fall in the row `since`."""
-        standard = np.std(errors, axis=0)
+    def of(cls, away: Floats, errors: Floats, standard: Floats, band: float, since: int) -> SettledCourse:
+        """Return that of a curve so far `away` from the level, shape (n,), after a step or fall in the row
+        `since`; noise makes these `errors` of it, shape (draws, n), of the `standard` deviation, shape
+        (n,)."""
         beyond = np.flatnonzero(np.abs(away) >= band + _SURE * standard)
         last = int(beyond[-1]) if len(beyond) else 0
         soon = min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -157,3 +158,14 @@ def test_components_and_orders_of_a_clipped_current_have_none_either_and_those_o
     assert all(each.uncertainty is None for each in of_current.measurements)
     assert "clipped" in of_current.tables[0].uncertainty_reason
     assert any(each.uncertainty is not None for each in of_torque.measurements)
+
+
+def test_components_take_over_the_crest_of_a_spectrum_that_is_known() -> None:
+    theta = angle(np.random.default_rng(6))
+    columns = {name: np.cos(theta - turn) for name, turn in (("i_a", 0.0), ("i_b", 2.1), ("i_c", -2.1))}
+    block = Block.from_arrays(RATE_HZ, dict.fromkeys(columns, "A"), **columns)
+    of_a = current_spectrum(block, "i_a", track_angle(theta / POLE_PAIRS, POLE_PAIRS))
+    assert of_a.flat_crest == 0.0
+    for share in (0.0, 0.1):
+        found = current_unbalance(block, of_a.track, known={"i_a": replace(of_a, flat_crest=share)})
+        assert {each.basis.flat_crest for each in found} == {share or None}

@@ -23,7 +23,8 @@ def noise(random: np.random.Generator, count: int) -> NDArray[np.float64]:
 
 
 def settled(away: NDArray[np.float64], seed: int = 0) -> SettledCourse:
-    return SettledCourse.of(away, noise(np.random.default_rng(seed), DRAWS), BAND, 0)
+    errors = noise(np.random.default_rng(seed), DRAWS)
+    return SettledCourse.of(away, errors, np.std(errors, axis=0), BAND, 0)
 
 
 def test_a_settling_time_is_as_uncertain_as_its_errors_where_noise_at_rest_nears_the_band() -> None:
@@ -48,7 +49,7 @@ def test_it_may_ring_for_as_long_again_as_it_took(sign: float) -> None:
     errors = noise(np.random.default_rng(3), DRAWS)
     standard, since = np.std(errors, axis=0), 50
     away = sign * np.where(ROWS <= 130, 200.0, 0.0)
-    found = SettledCourse.of(away, errors, BAND, since)
+    found = SettledCourse.of(away, errors, standard, BAND, since)
     assert (found.last, found.soon, found.sign) == (130, 131 + 80, sign)
     for most, rows in ((found.most_soon, slice(130, 211)), (found.most_late, slice(211, None))):
         greatest = np.max(np.abs(errors[:, rows]) / standard[rows], axis=1)
@@ -95,7 +96,7 @@ def test_a_lobe_that_may_ring_stays_where_noise_may_hide_how_far_it_goes() -> No
     louder = np.where(ROWS < 300, 1.6, 1.0)
     errors = louder * noise(np.random.default_rng(0), DRAWS)
     lag = np.where(ROWS < 160, 200.0 * np.exp(-ROWS / 40.0), 0.0)
-    found = SettledCourse.of(lag, errors, BAND, 0)
+    found = SettledCourse.of(lag, errors, np.std(errors, axis=0), BAND, 0)
     hides = BAND - 2.0 * 1.6 * SIGMA  # two standard deviations within the band
     assert hides < 0.5 * found.most_soon * 1.6 * SIGMA
     for depth, at, stays in (
