@@ -135,6 +135,11 @@ from .spectra.unbalance import current_unbalance as current_unbalance
 from .statistics.lost_samples import continued as continued
 from .statistics.regimes import change_of_regime as change_of_regime
 from .statistics.scatter import error_of_record as error_of_record, error_of_series as error_of_series
+from .statistics.straight_lines import (
+    slope_of as slope_of,
+    slope_weights as slope_weights,
+    without_slope as without_slope,
+)
 from .steady_state import (
     SteadyState as SteadyState,
     analyze_steady_state as analyze_steady_state,

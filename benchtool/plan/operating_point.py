@@ -27,6 +27,8 @@ from benchtool.analysis import (
     crop_to,
     error_of_record,
     record_basis,
+    slope_weights,
+    without_slope,
 )
 from benchtool.block import Block, Channel
 from benchtool.drive import RemoteDrive
@@ -254,10 +256,9 @@ class _Slope:
     def of(cls, name: str, samples: NDArray[np.float64], period_s: float) -> Self:
         """Return that of even samples, shape (n,), two or more."""
         count = len(samples)
-        at = np.arange(count) - 0.5 * (count - 1)
-        weights = at / (float(at @ at) * period_s)
+        weights = slope_weights(count) / period_s
         slope = float(weights @ samples)
-        left = samples - np.mean(samples) - slope * period_s * at
+        left = without_slope(samples) - np.mean(samples)
         # it is a mean of samples so weighted
         scatter = error_of_record(count * weights * left).line(f"scatter of the slope of {name}")
         reading = MeanReading.of(Channel(name, _UNITS[name]), samples, 1.0 / period_s)

@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import raw
+from benchtool.analysis import raw, slope_of, slope_weights
 from benchtool.block import Block
 from benchtool.profile import Motor
 from benchtool.results.windows import rows_of
@@ -89,9 +89,8 @@ class _Feature:
         values = self.values[first:last]
         if len(values) < 2:
             return 0
-        number = np.arange(len(values)) - 0.5 * (len(values) - 1)
-        change = len(values) * float(number @ values) / float(number @ number)
-        noise = len(values) * self.noise / math.sqrt(float(number @ number))
+        change = len(values) * slope_of(values)
+        noise = len(values) * self.noise * float(np.linalg.norm(slope_weights(len(values))))
         small = abs(change) < max(_DRIFT * self.tolerance(float(np.mean(values))), _TREND * noise)
         return 0 if small else (1 if change > 0.0 else -1)
 

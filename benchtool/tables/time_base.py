@@ -8,7 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import count_of, error_of_series, least_spread, line_through_counts
+from benchtool.analysis import (
+    count_of,
+    error_of_series,
+    least_spread,
+    line_through_counts,
+    without_slope,
+)
 from benchtool.block import Gap
 
 _FEWEST_STAMPS = 8
@@ -225,10 +231,7 @@ def _on_a_line(
 def _off_rows(time_s: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the deviation of stamps from a line by least squares through row numbers, none of which is
     missing."""
-    number = np.arange(len(time_s)) - 0.5 * (len(time_s) - 1)
-    about = time_s - time_s.mean()
-    deviation: NDArray[np.float64] = about - float(number @ about) / float(number @ number) * number
-    return deviation
+    return without_slope(time_s - time_s.mean())
 
 
 def _of_slope(

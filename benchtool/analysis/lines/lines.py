@@ -33,6 +33,7 @@ from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.repeatability import wander_of_line
+from benchtool.analysis.statistics.straight_lines import without_slope
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -194,9 +195,7 @@ def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
 def _slower(samples: Floats, unit: str, largest: Line) -> str:
     """Return why a line is perhaps not the largest of samples, shape (n,): what is slower may be one, and is
     larger. A steady drift is no line."""
-    rows = np.arange(len(samples)) - 0.5 * (len(samples) - 1.0)
-    drift = float(rows @ samples) / float(rows @ rows)
-    size = np.abs(_windowed(samples - drift * rows)[1:_LOWEST_BIN])
+    size = np.abs(_windowed(without_slope(samples))[1:_LOWEST_BIN])
     if not float(np.max(size)) > _LEAST_RESPONSE * largest.amplitude:
         return ""
     least = f"{raw(float(np.max(size)), 4)} {unit}".rstrip()

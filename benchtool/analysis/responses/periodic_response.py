@@ -24,6 +24,7 @@ from benchtool.analysis.responses.estimated_response import (
     noise_power,
 )
 from benchtool.analysis.responses.lone_lines import with_lone_lines
+from benchtool.analysis.statistics.straight_lines import slope_of
 from benchtool.errors import AnalysisError
 
 REPEATED = 0.8
@@ -193,8 +194,7 @@ def _of_steps(
 
 def _without_drift(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return samples of shape (periods, period) less the least-squares line through their periods' means."""
-    periods, period = samples.shape
-    number = np.arange(periods) - 0.5 * (periods - 1.0)
-    drift = float(number @ np.mean(samples, axis=1)) / float(number @ number)
+    _, period = samples.shape
+    drift = slope_of(np.mean(samples, axis=1))
     time = np.arange(samples.size).reshape(samples.shape) / period
     return np.asarray(samples - drift * (time - np.mean(time)))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.resolution import counting_step, step_between
+from benchtool.analysis.statistics.straight_lines import places_about_middle, slope_weights
 
 Floats = NDArray[np.float64]
 
@@ -186,9 +187,9 @@ def _courses(samples: Floats, length: int) -> tuple[Floats, Floats]:
     they leave of their samples."""
     first = np.arange(_LINE, len(samples) - length - _LINE + 1)
     after = first + length
-    rows = np.arange(_LINE) - 0.5 * (_LINE - 1)
+    rows = places_about_middle(_LINE)
     windows = np.lib.stride_tricks.sliding_window_view(samples, _LINE)
-    mean, slope = np.mean(windows, axis=1), windows @ rows / (rows @ rows)
+    mean, slope = np.mean(windows, axis=1), windows @ slope_weights(_LINE)
     within = np.arange(length)
     between = np.outer(samples[first - 1], length - within) + np.outer(samples[after], within + 1.0)
     before = mean[first - _LINE, np.newaxis] + np.outer(slope[first - _LINE], within + 1.0 - rows[0])

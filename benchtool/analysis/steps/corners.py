@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.statistics.straight_lines import places_about_middle
 from benchtool.analysis.steps.converter_levels import HIDES
 from benchtool.analysis.steps.smoothing import Noise
 
@@ -95,7 +96,7 @@ def _fitted(samples: Floats, noise: Noise) -> Corner | None:
     lags = min(count, len(known))
     covariance[:lags] = known[:lags]
     covariance[0] *= 1.0 + 1e-9
-    factor, rows = cholesky(toeplitz(covariance), lower=True), np.arange(count) - 0.5 * (count - 1)
+    factor, rows = cholesky(toeplitz(covariance), lower=True), places_about_middle(count)
     white = solve_triangular(factor, samples, lower=True)
 
     of_smooth = _left(solve_triangular(factor, np.vander(rows / rows[-1], _PARAMETERS), lower=True), white)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.statistics.straight_lines import slope_weights
 from benchtool.analysis.steps.smoothing import Noise
 
 Floats = NDArray[np.float64]
@@ -31,8 +32,7 @@ class Slope:
         about that line does to its slope. None of too few samples."""
         if len(samples) < _FEWEST:
             return None
-        place = np.arange(len(samples)) - 0.5 * (len(samples) - 1)
-        weights: Floats = np.asarray(place / float(place @ place), dtype=np.float64)
+        weights = slope_weights(len(samples))
         return cls(float(weights @ samples), Noise.of(samples).of_sum(weights))
 
     @property

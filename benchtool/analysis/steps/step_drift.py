@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
+from benchtool.analysis.statistics.straight_lines import places_about_middle
 from benchtool.analysis.steps.noisy_curve import at_rest_error
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.step_shape import Step
@@ -80,7 +81,7 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
 
 def _about_one_slope(pieces: list[Floats]) -> list[Floats]:
     """Return pieces, each of shape (n,), about lines of one slope, that of least squares."""
-    places = [np.arange(len(each)) - 0.5 * (len(each) - 1) for each in pieces]
+    places = [places_about_middle(len(each)) for each in pieces]
     square = sum(float(each @ each) for each in places)
     slope = sum(float(place @ each) for place, each in zip(places, pieces, strict=True)) / max(square, 1.0)
     return [each - slope * place for place, each in zip(places, pieces, strict=True)]
