@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 def places_about_middle(count: int) -> Floats:
     """Return the places of so many samples about the middle one, shape (count,), where the slope and the mean
     of a line are independent."""
-    return np.arange(count) - 0.5 * (count - 1)
+    return np.arange(count, dtype=np.float64) - 0.5 * (count - 1)
 
 
 def slope_weights(count: int) -> Floats:

@@ -22,7 +22,7 @@ def test_the_slope_is_that_of_least_squares(count: int) -> None:
 
 
 def test_a_line_has_its_slope_and_is_level_without_it() -> None:
-    line = 5.0 - 0.25 * np.arange(9)
+    line = 5.0 - 0.25 * np.arange(9, dtype=np.float64)
     assert slope_of(line) == pytest.approx(-0.25, rel=1e-12)
     assert without_slope(line) == pytest.approx(np.full(9, 4.0), rel=1e-12)
 
