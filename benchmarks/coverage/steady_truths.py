@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,10 @@ from benchtool.analysis import CoherentSpectrum, percentile_range
 Floats = NDArray[np.float64]
 
 _NO_POWER = 1e-5
+_IN_THD_PLUS_NOISE = (
+    "periods", "frequency_Hz", "noise", "colour", "kind", "lines", "offset", "bits", "harmonics",
+    "amplitude_A", "torque_Nm", "angle", "ripple_noise", "sawtooth", "turns_Nm", "peaked",
+)  # fmt: skip
 _HIGHEST_GROUP, _TOLD = 50, 0.45  # of the rate, up to which a spectrum is told
 
 
@@ -69,7 +74,20 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
             "current_noise_floor": floor_A,
             "current_noise_density": floor_A / math.sqrt(2.0 * bin_Hz),
         }
+    if spectrum is not None:
+        truths["current_thd_f_plus_noise"] = _thd_plus_noise(what, thd, spectrum)
     return truths | _ripple(what, made)
+
+
+def _thd_plus_noise(what: Disturbance, thd: float, spectrum: CoherentSpectrum) -> float:
+    """Return THD with all noise in the band, in percent: of a steady current by what it is made of."""
+    only = replace(Disturbance(), **{name: getattr(what, name) for name in _IN_THD_PLUS_NOISE})
+    if what != only or what.kind not in UNCORRELATED:
+        return OF_THE_ENSEMBLE
+    omega = 2.0 * np.pi * np.arange(1.0, float(len(spectrum.amplitude)), dtype=np.float64) / spectrum.samples
+    share = float(np.mean(_density(what.colour, omega))) * 2.0 * spectrum.frequency_Hz[-1] / RATE_HZ
+    noise2 = 2.0 * what.noise**2 * share + sum(relative**2 for _, relative in what.lines)
+    return math.sqrt(thd**2 + 1e4 * noise2)
 
 
 def _noise_floor_A(what: Disturbance, made: Record, spectrum: CoherentSpectrum) -> float:

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.numbers import raw
@@ -29,10 +31,11 @@ from benchtool.analysis.spectra.harmonics import (
     total_harmonic_distortion,
 )
 from benchtool.analysis.spectra.line_errors import LineErrors
-from benchtool.analysis.statistics.scatter import MeanError
+from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
+_MOST_OF_STEPS: Final = 1.5  # of a twelfth of their square: those that repeat add more or less than that
 
 
 @dataclass(frozen=True)
@@ -120,23 +123,67 @@ def _corrected(
     )
 
 
-def with_noise(spectrum: CoherentSpectrum, basis: Basis, channel: str) -> Iterator[Measurement]:
-    """Yield THD_F with the noise in it."""
-    value = 100.0 * distortion_and_noise(spectrum)
+def with_noise(
+    coherent: CoherentSamples,
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    step: float,
+    basis: Basis,
+    channel: str,
+) -> Iterator[Measurement]:
+    """Yield THD_F with the noise in it, of whole periods `coherent`, whose `spectrum` it is, in steps of
+    `step`.
+
+    Its power differs from period to period: that scatter is of all in it, noise and what is between the
+    harmonics. What the steps add to it is of the converter, and no part of the current.
+    """
+    value = distortion_and_noise(spectrum)
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")
     if math.isnan(value):
         yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
-    else:
-        yield Measurement(
-            "current_thd_f_plus_noise",
-            value,
-            "%",
-            text,
-            to_end,
-            uncertainty_reason="which of its power is of noise and would scatter is not told",
-            sensitivities=_of_ratio(channel, spectrum),
-        )
+        return
+    base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
+    amplitude = spectrum.fundamental
+    scatter = _scatter_of_power(coherent, spectrum)
+    of_scatter = scatter.line(f"scatter of its power over {coherent.periods} electrical periods", 2**0.5)
+    lines = spectrum.amplitude[2 * spectrum.periods :: spectrum.periods][: len(errors.noise) - 1]
+    by_noise = float(np.linalg.norm(lines * errors.noise[1:])) / (value * amplitude) if value > 0.0 else 0.0
+    if by_noise > of_scatter.standard:  # few periods may agree by chance
+        of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
+    # the square of an amplitude is twice a mean square
+    of_steps2 = _MOST_OF_STEPS * step**2 / 6.0 / amplitude**2
+    budget = [
+        replace(of_scatter, standard=of_scatter.standard / amplitude),
+        Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
+        Contribution(
+            "power that the steps of the converter add",
+            "B",
+            value - math.sqrt(max(0.0, value**2 - of_steps2)),
+            adds_power=True,
+        ),
+    ]
+    uncertain = _percent([each for each in budget if each.standard != 0.0])
+    yield Measurement(
+        "current_thd_f_plus_noise",
+        100.0 * value,
+        "%",
+        text,
+        to_end,
+        uncertain,
+        uncertainty_reason="" if uncertain is not None else errors.unknown,
+        sensitivities=_of_ratio(channel, spectrum),
+    )
+
+
+def _scatter_of_power(coherent: CoherentSamples, spectrum: CoherentSpectrum) -> MeanError:
+    """Return the error of the rms of all but dc and the fundamental, by its squares in each period."""
+    turn = 2.0 * np.pi / coherent.per_period * np.arange(coherent.per_period)
+    phasor = spectrum.phasor[coherent.periods]
+    fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
+    rest = coherent.values.reshape(coherent.periods, -1) - np.mean(coherent.values) - fundamental
+    squares = np.mean(np.square(rest), axis=1)
+    return error_of_root(squares, math.sqrt(float(np.mean(squares))), error_of_periods(squares))
 
 
 def group_distortions(

@@ -6,10 +6,21 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from benchtool.analysis import CoherentSpectrum, Reference, total_harmonic_distortion
+from benchtool.analysis import (
+    CoherentSpectrum,
+    Measurement,
+    Reference,
+    current_spectrum,
+    total_harmonic_distortion,
+    track_tone,
+)
+from benchtool.block import Block
 from tests.at_length import at_length
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of
+
+RATE_HZ = 10e3
 
 
 @pytest.mark.slow
@@ -86,3 +97,32 @@ def test_without_lines_the_corrected_distortion_is_uncertain_by_the_noise_alone(
     of_squares = n**2 * math.sqrt(orders - 1)
     # these bins are all in phase, as noise is not, and the noise about each line is read off few of them
     assert found.corrected_standard == pytest.approx(0.5 * math.sqrt(2.0 * of_squares), rel=0.4)
+
+
+def with_noise(samples: NDArray[np.float64]) -> Measurement:
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=samples)
+    found = current_spectrum(block, "i_a", track_tone(samples))
+    return next(each for each in found.measurements if each.name == "current_thd_f_plus_noise")
+
+
+@pytest.mark.parametrize("periods", [12.3, 40.3])
+def test_thd_with_noise_scatters_by_its_uncertainty(periods: float) -> None:
+    """Of the noise nine tenths are in the band, and an amplitude is sqrt(2) of an rms."""
+    turned = np.arange(round(200 * periods)) / 200.0
+    truth, errors = math.hypot(3.0, 100.0 * math.sqrt(2.0 * 0.9) * 0.01), []
+    for seed in range(16):
+        random = np.random.default_rng(seed)
+        signal = np.cos(2 * np.pi * turned) + 0.03 * np.cos(10 * np.pi * turned + random.uniform(0, 6.28))
+        found = with_noise(signal + 0.01 * random.standard_normal(len(signal)))
+        assert found.uncertainty is not None
+        errors.append((found.value - truth) / found.uncertainty.standard)
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_what_the_steps_of_a_converter_add_to_thd_with_noise_is_uncertain() -> None:
+    turned, step = np.arange(8050) / 200.7, 2.1 / 2**7
+    found = with_noise(np.round(np.cos(2 * np.pi * turned) / step) * step)
+    assert found.uncertainty is not None
+    assert found.value == pytest.approx(100.0 * step / math.sqrt(6.0), rel=0.2)
+    assert found.value - found.uncertainty.expanded <= 0.1 * found.value
+    assert any(each.adds_power for each in found.uncertainty.budget)
