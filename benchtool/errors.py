@@ -149,6 +149,10 @@ class RecordingError(EnvironmentFailure):
     """A recording cannot be written or read."""
 
 
+class NoSuchRecording(UsageError, RecordingError):
+    """What was named as a recording, run or table is not there, or is none."""
+
+
 class DriveError(BenchError):
     """The drive answered, and refused or failed."""
 

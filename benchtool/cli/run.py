@@ -13,7 +13,7 @@ import typer
 
 from benchtool.cli import options, proposals
 from benchtool.document import Faults
-from benchtool.errors import BenchError, PlanError, UsageError
+from benchtool.errors import BenchError, NoSuchRecording, PlanError, UsageError
 from benchtool.plan import Plan, for_motor, load_plan, plan_names, plan_path, profiles_of
 from benchtool.profile import load_profile, profile_path
 
@@ -130,6 +130,8 @@ def run(
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
+    if resume is not None and not resume.is_dir():
+        raise NoSuchRecording(f"{resume} does not exist: give the folder of the run that was cut short")
     chosen = RunOptions(
         profile,
         link,

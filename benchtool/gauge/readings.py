@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.errors import AnalysisError, RecordingError
+from benchtool.errors import AnalysisError, NoSuchRecording, RecordingError
 
 FACTORS = ("part", "operator", "mounting")
 """Columns that say whose a reading is; each may be absent, but not all."""
@@ -86,7 +86,8 @@ def _cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]], str]:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as reason:
         what = getattr(reason, "strerror", None) or "it is not text in UTF-8"
-        raise RecordingError(
+        kind = NoSuchRecording if isinstance(reason, FileNotFoundError) else RecordingError
+        raise kind(
             f"cannot read {path}: {what}; a table with a line for each reading is expected: check the name"
         ) from None
     lines = text.splitlines()

@@ -341,7 +341,7 @@ def recorded_plan(document: Mapping[str, Any]) -> Plan:
 
 _STAND_IN: Final = {
     "title": "-",
-    "operating_point": {"omega_m_rad_s": 1.0},
+    "operating_point": {"omega_m_rad_s": 1e4},  # of which every record has many periods
     "record": {"duration_s": 3600.0},
 }
 """What a plan needs, with values by which nothing else in it is wrong."""

@@ -15,7 +15,7 @@ from typing import Final
 from pydantic import Field, ValidationError
 
 from benchtool.document import Section
-from benchtool.errors import RecordingError
+from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.recording.checkpoints import CHECKPOINTS, intact_prefix, read_checkpoints
 from benchtool.recording.files import PART
 from benchtool.recording.manifest import MANIFEST, Manifest, read_manifest
@@ -88,11 +88,12 @@ def bundles_in(folder: Path) -> list[Path]:
     """Return the folder if it is a bundle, and the bundles up to two levels below it.
 
     Raises:
-        RecordingError: there is none.
+        NoSuchRecording: there is none.
     """
     bundles = [path.parent for path in _manifests(folder)]
     if not bundles:
-        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+        there = "holds no run bundle" if folder.exists() else "does not exist"
+        raise NoSuchRecording(f"{folder} {there}: give the folder of a run")
     return bundles
 
 

@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, field_validator
 
 from benchtool import __version__
 from benchtool.document import Array, Section, defaults
-from benchtool.errors import RecordingError
+from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.recording.seal import SEAL, FileHash, read_sealed_json, write_json
 
 SCHEMA_VERSION = 3
@@ -144,13 +144,14 @@ def read_manifest(directory: Path) -> tuple[Manifest, bool]:
     have none.
 
     Raises:
-        RecordingError: there is none, it is not one of this schema version, or its seal does not fit.
+        NoSuchRecording: there is none.
+        RecordingError: it is not one of this schema version, or its seal does not fit.
     """
     path = directory / MANIFEST
     if not directory.exists():
-        raise RecordingError(f"{directory} does not exist: give the folder of a run")
+        raise NoSuchRecording(f"{directory} does not exist: give the folder of a run")
     if not path.is_file():
-        raise RecordingError(
+        raise NoSuchRecording(
             f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
         )
     document, fits = read_sealed_json(path)

@@ -11,7 +11,14 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from benchtool.errors import AnalysisError, BenchError, PlugInError, RecordingError, UsageError
+from benchtool.errors import (
+    AnalysisError,
+    BenchError,
+    NoSuchRecording,
+    PlugInError,
+    RecordingError,
+    UsageError,
+)
 from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment
@@ -137,18 +144,19 @@ def recorded_bundles(folder: Path) -> tuple[Bundle, ...]:
     """Return the bundle in `folder`, or those of a run of several cases or plans, by their path.
 
     Raises:
-        RecordingError: it holds none, or one cannot be read.
+        NoSuchRecording: it holds none.
+        RecordingError: one cannot be read.
     """
     if folder.exists() and not folder.is_dir():
-        raise RecordingError(f"{folder} is a file: give the folder of a run")
+        raise NoSuchRecording(f"{folder} is a file: give the folder of a run")
     if not folder.exists():
-        raise RecordingError(f"{folder} does not exist: give the folder of a run")
+        raise NoSuchRecording(f"{folder} does not exist: give the folder of a run")
     if (folder / _MANIFEST).is_file():
         return (Bundle.open(folder),)
     paths = sorted((*folder.glob(f"*/{_MANIFEST}"), *folder.glob(f"*/*/{_MANIFEST}")))
     found = tuple(Bundle.open(path.parent) for path in paths if not _PUT_ASIDE.search(path.parent.name))
     if not found:
-        raise RecordingError(f"{folder} holds no run bundle: give the folder of a run")
+        raise NoSuchRecording(f"{folder} holds no run bundle: give the folder of a run")
     return found
 
 

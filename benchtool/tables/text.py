@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from pyarrow import csv
 
-from benchtool.errors import RecordingError
+from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.tables.attached_units import without_units
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.cut_short import without_cut_number
@@ -101,7 +101,8 @@ class TextTable:
             content = path.read_bytes()
         except (OSError, ValueError) as reason:
             what = getattr(reason, "strerror", None) or reason
-            raise RecordingError(
+            kind = NoSuchRecording if isinstance(reason, FileNotFoundError) else RecordingError
+            raise kind(
                 f"cannot read {path}: {what}; a text file with columns of numbers is expected: check the name"
             ) from None
         if _ANYTHING.search(content) is None:

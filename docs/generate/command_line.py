@@ -30,7 +30,7 @@ in Python on the class.
 |---|---|
 | 0 | Success: every limit was met (pass or marginal), or none was asked for |
 | 1 | A limit failed or stayed undecided; `params diff` found differences, `twin` a wrong parameter |
-| 2 | Usage: a command, profile, plan, value or data set that does not allow what was asked for |
+| 2 | Usage: a command, profile, plan, value or run that is not there or does not allow what was asked for |
 | 3 | The environment: no connection, another drive or dictionary than expected, a file not writable |
 | 4 | The drive refused, failed or went into fault |
 | {interrupted} | Interrupted by Ctrl-C, SIGTERM or a closed terminal (SIGHUP); the drive was disabled |

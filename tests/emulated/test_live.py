@@ -255,7 +255,7 @@ def test_a_viewer_that_is_killed_ends_nothing(invoke: Invoke, monkeypatch: pytes
         (("live", "--save", "a.txt"), 2, "--save a.txt: a file that ends in .rrd is expected"),
         (("record", "--duration", "1", "--live", "short.toml/a.rrd"), 3, "cannot write short.toml/a.rrd: "),
         (("live", "--duration", "1"), 3, "the native viewer needs a display"),
-        (("live", "nowhere", "--save", "a.rrd"), 3, "nowhere does not exist: give the folder of a run"),
+        (("live", "nowhere", "--save", "a.rrd"), 2, "nowhere does not exist: give the folder of a run"),
         (("run", "short.toml", "--jobs", "2", "--live", "a.rrd"), 2, "--jobs 2 runs elsewhere than --live"),
         (("live", "--web", "--bind", "x"), 2, "'x' is no address to listen on"),
         (

@@ -322,14 +322,14 @@ def test_several_cases_and_several_plans(recorded: Path, tmp_path: Path) -> None
 @blank
 def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    for arguments, said in (
-        (("report", tmp_path / "nowhere"), "nowhere does not exist: give the folder of a run"),
-        (("report", demo / "manifest.json"), "is a file: give the folder of a run"),
-        (("report", tmp_path / "empty"), "holds no run bundle"),
-        (("report", demo, "--out", tmp_path / "no" / "page.html"), "cannot write"),
-        (("compare", demo, tmp_path / "empty"), "holds no run bundle"),
+    for arguments, code, said in (
+        (("report", tmp_path / "nowhere"), 2, "nowhere does not exist: give the folder of a run"),
+        (("report", demo / "manifest.json"), 2, "is a file: give the folder of a run"),
+        (("report", tmp_path / "empty"), 2, "holds no run bundle"),
+        (("report", demo, "--out", tmp_path / "no" / "page.html"), 3, "cannot write"),
+        (("compare", demo, tmp_path / "empty"), 2, "holds no run bundle"),
     ):
-        result = done(*arguments, code=3)
+        result = done(*arguments, code=code)
         (line,) = result.stderr.strip().splitlines()
         assert line.startswith("benchtool: ")
         assert said in line

@@ -130,7 +130,7 @@ def test_a_file_without_a_hash_is_not_verified(run: Path) -> None:
 
 def test_what_is_no_run(tmp_path: Path) -> None:
     code, told = _invoked("verify", tmp_path)
-    assert code == 3
+    assert code == 2
     assert "holds no run bundle" in told
 
 
