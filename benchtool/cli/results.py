@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from rich.text import Text
 
@@ -136,7 +136,8 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
     told |= dict.fromkeys(_on_sensors(cases))
     told |= dict.fromkeys(f"{_of(case, cases)}{text}" for case in cases for text in case.notes)
-    told |= dict.fromkeys(_reasons(cases, undefined, "undefined"))
+    refused = {reason for case in cases for reason in case.refusals}  # each told once, by its analysis
+    told |= dict.fromkeys(_reasons(cases, undefined, "undefined", refused))
     told |= dict.fromkeys(_reasons(cases, without_uncertainty, "without ±"))
     for case in cases:
         if case.refusal:
@@ -166,12 +167,15 @@ def _reasons(
     cases: Sequence[Assessment],
     lacking: Callable[[Sequence[Measurement]], Mapping[str, Sequence[str]]],
     what: str,
+    besides: Collection[str] = (),
 ) -> Iterator[str]:
-    """Yield why measurements have no value, or no uncertainty, each reason once; of several that the same
-    measurements have in other cases the first, and how many there are."""
+    """Yield why measurements have no value, or no uncertainty, each reason `besides` some once; of several
+    that the same measurements have in other cases the first, and how many there are."""
     found: dict[str, dict[str, None]] = {}
     for case in cases:
         for reason, names in lacking(case.measurements).items():
+            if reason in besides:
+                continue
             found.setdefault(reason, {}).update(dict.fromkeys(names))
     reasons: dict[tuple[str, ...], list[str]] = {}
     for reason, distinct in found.items():

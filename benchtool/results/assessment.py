@@ -157,8 +157,8 @@ class Assessment:
             "limits": {name: each.to_json() for name, each in self.judged.items()},
             "disagreements": {each.name: each.to_json() for each in self.disagreements},
             "refusal": self.refusal,
-            "not_measured": {title: list(channels) for title, channels in self.without.items()}
-            | {title: [reason] for title, reason in self.refused.items()},
+            "not_measured": {title: list(channels) for title, channels in self.without.items()},
+            "refused": dict(self.refused),
             "different_parameters": dict(self.parameter_check.get("contradicted", {})),
             "unstated_parameters": dict(self.parameter_check.get("unstated", {})),
             "measurements": measurements_to_json(self.measurements),

@@ -294,7 +294,9 @@ class Case(Document):
     refusal: str
     """Why nothing could be measured; empty otherwise."""
     not_measured: dict[str, list[str]]
-    """Analyses that were not made, with the channels that they lack, or with the reason."""
+    """Analyses that were not made, by title, with the channels that they lack."""
+    refused: dict[str, str]
+    """Analyses that the rows do not allow, by title, with the reason."""
     different_parameters: dict[str, Any]
     """Parameters in which drive and profile differ."""
     unstated_parameters: dict[str, Any]

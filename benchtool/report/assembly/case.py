@@ -45,15 +45,15 @@ def case_items(case: RecordedCase, *, alone: bool = True, brief: bool = False) -
         if result.recorded is None:  # a recording has no plan that could set any
             yield limits_section(limits.values())
         yield from remarks(result)
-        yield from (Text(f"{text}.", "note") for text in unmeasured(case))
+        yield from (Text(f"{text}.", "note") for text in (*unmeasured(case), *refused(case)))
         yield from recording_items(result)
     if figures := _figures(case, 1 if brief else None):
         yield Section("Figures", tuple(figures))
     if result is not None:
         yield measurements_section("Measurements", result.measurements, limits, result.published)
         yield from (Text(f"{text[0].upper()}{text[1:]}.", "note") for text in result.of_sensors)
-        for reason, titles in result.refusals.items():
-            yield Text(f"Not measured: {', '.join(titles)}: {reason}.", "note")
+        if alone:
+            yield from (Text(f"{text}.", "note") for text in refused(case))
         if not brief and (tables := tables_section(result.tables)) is not None:
             yield tables
     elif case.error is None and case.bundle.measurements:  # of a table of another tool
@@ -117,6 +117,13 @@ def unmeasured(case: RecordedCase) -> Iterator[str]:
     for name in result.limits:
         if name not in result.found:
             yield f"Not measured though it has a limit: {name}"
+
+
+def refused(case: RecordedCase) -> Iterator[str]:
+    """Yield the analyses that the rows of a case do not allow, and why; a sentence each without its full
+    stop."""
+    for reason, titles in ({} if case.assessment is None else case.assessment.refusals).items():
+        yield f"Not measured: {', '.join(titles)}: {reason}"
 
 
 def failure(case: RecordedCase) -> Iterator[Item]:

@@ -240,9 +240,27 @@ def _not_run(runs: Sequence[RecordedRun], found: Sequence[RecordedCase]) -> Iter
     if waived:
         yield Grid.of(("waived limit", "case", "why", "by", "what was seen"), waived)
     judged = any(case.assessment and case.assessment.limits for case in found)
+    left_out = list(_refused(found))
     if not told and not waived and not any(True for case in found for _ in _open(case)):
         whole = "Every case of the plan was run, and every limit was put to a number."
-        yield Text(whole if judged else "Nothing was left out.", "note")
+        if judged or not left_out:
+            yield Text(whole if judged else "Nothing was left out.", "note")
+    yield from (Text(f"{text}.") for text in left_out)
+
+
+def _refused(found: Sequence[RecordedCase]) -> Iterator[str]:
+    """Yield the analyses that the rows do not allow, each once: with the reason of the first of several
+    cases, whose numbers differ, and in how many it is so."""
+    reasons: dict[str, list[str]] = {}
+    for case in found:
+        for title, reason in ({} if case.assessment is None else case.assessment.refused).items():
+            reasons.setdefault(title, []).append(reason)
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for title, told in reasons.items():
+        alike.setdefault(tuple(told), []).append(title)
+    for told, titles in alike.items():
+        more = "" if len(found) == 1 else f" ({len(told)} of {len(found)} cases)"
+        yield f"Not measured: {', '.join(titles)}: {told[0]}{more}"
 
 
 def _waived(run: RecordedRun) -> Iterator[tuple[str, ...]]:

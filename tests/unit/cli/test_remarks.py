@@ -58,3 +58,11 @@ def test_what_is_not_known_of_sensors_is_told_once_for_all_cases(capsys: pytest.
     show_remarks(Output(as_json=False), cases)
     told = capsys.readouterr().out.splitlines()
     assert told == [f"{unstated} (torque_mean and 1 more)", f"B: {clock} (line)"]
+
+
+def test_an_analysis_that_the_rows_do_not_allow_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    """It was told as undefined, for the numbers that a plan tabulates, and as not measured."""
+    reason = "'theta_m' covers 1.30 mechanical revolutions, at least 2 are needed for orders"
+    found = replace(case("A", reason), refused={"torque orders": reason})
+    show_remarks(Output(as_json=False), [found])
+    assert capsys.readouterr().out.splitlines() == [f"not measured: torque orders: {reason}"]
