@@ -76,7 +76,7 @@ class Output:
         beside = f" by the drive's own estimate, {by_transducer} by the transducer on the shaft"
         differs = by_transducer is not None and by_transducer != verdict
         text = f"verdict: {verdict}{beside if differs else ''}{f' ({remark})' if remark else ''}"
-        self._show(Text(text, style=VERDICT_COLOURS[verdict]))
+        self.sentence(text, VERDICT_COLOURS[verdict])
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
         """Print a table of the result; columns whose heading, of one line or more, begins with `>` are

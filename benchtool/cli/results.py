@@ -325,11 +325,12 @@ def _show_rules(output: Output, judged: Mapping[str, JudgedLimit]) -> None:
 
 
 def _without_conformance(judged: Mapping[str, JudgedLimit]) -> dict[str, list[str]]:
-    """Return the names of limits without a probability of conformance, by the reason."""
+    """Return the names of limits without a probability of conformance, by the reason; those of measurements
+    are told with these."""
     reasons: dict[str, list[str]] = {}
     for name, each in judged.items():
-        if each.conformance_reason:
-            reasons.setdefault(each.conformance_reason, []).append(name)
+        if each.conformance is None:
+            reasons.setdefault(each.without_conformance, []).append(name)
     return reasons
 
 

@@ -68,6 +68,13 @@ class JudgedLimit:
         return f"{self.probability_of} {probability(self.conformance)}"
 
     @property
+    def without_conformance(self) -> str:
+        """Why there is no probability of conformance, without the reasons that the measurement gives itself;
+        empty where there is one."""
+        reason = _without_uncertainty(self.measured)
+        return _lacking(self.measured) if self.conformance_reason == reason else self.conformance_reason
+
+    @property
     def remark(self) -> str:
         """That no value can pass the limit with such an uncertainty; empty where one can."""
         uncertainty = None if self.measured is None else self.measured.uncertainty
@@ -142,11 +149,17 @@ class JudgedLimit:
         return f"{place}, {apart}; {self.conformance_text}{remark}"
 
 
-def _without_uncertainty(measured: Measurement | None) -> str:
-    """Return why a measurement, if there is one, has no value or no uncertainty."""
+def _lacking(measured: Measurement | None) -> str:
+    """Return whether it is a measurement, its value or its uncertainty that is lacking."""
     if measured is None:
         return "it was not measured"
-    if not math.isfinite(measured.value):
-        return f"it is undefined ({measured.reason or measured.definition})"
-    why = f" ({measured.uncertainty_reason})" if measured.uncertainty_reason else ""
-    return f"its uncertainty is not known{why}"
+    return "its uncertainty is not known" if math.isfinite(measured.value) else "it is undefined"
+
+
+def _without_uncertainty(measured: Measurement | None) -> str:
+    """Return the same, with the reason of the measurement."""
+    if measured is None:
+        return _lacking(measured)
+    reason = measured.reason or measured.definition
+    why = measured.uncertainty_reason if math.isfinite(measured.value) else reason
+    return f"{_lacking(measured)}{f' ({why})' if why else ''}"

@@ -419,7 +419,7 @@ def test_people_are_told_why_a_number_has_no_uncertainty(invoke: Invoke) -> None
             2,
             "--rated-torque is -1",
         ),
-        (("--csv", "no.csv", "--time", "t", "--current", "I"), 3, "cannot read no.csv: No such file"),
+        (("--csv", "no.csv", "--time", "t", "--current", "I"), 2, "cannot read no.csv: No such file"),
         (("--csv", "a.csv", "--time", "t", "--current", "x"), 2, "no column 'x', it has 1 't', 2 'I'"),
         (("--csv", "a.csv", "--time", "t", "--current", "I:rpm"), 2, "'rpm' is no unit of column 'I'"),
         (

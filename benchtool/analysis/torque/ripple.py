@@ -362,7 +362,7 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
     if rated is not None:
         reason = seen.clipped or ("" if rated > 0.0 else f"it is {rated:g} {whole.unit}")
         for number in (peak_to_peak, rms):
-            base = f"rated {name} of {rated:g} {whole.unit}"
+            base = f"rated torque of {rated:g} {whole.unit}"
             yield percent(number, f"{name}_ripple", "of_rated", rated, base, reason)
 
 

@@ -51,6 +51,23 @@ def test_a_guard_band_of_unknown_width_fails(unknown: Uncertainty | None) -> Non
     assert 'its uncertainty is not known, which margin = "U" of its limit ≤ 2 Nm needs' in str(told)
 
 
+def test_what_lacks_for_a_probability_is_said_with_the_reason_and_without() -> None:
+    """Where the measurement's own reason is printed as well, it stood there twice."""
+    limit = Limit(max=2.0)
+    for measured, lacks, why in (
+        (
+            Measurement("x", 0.0, "V", "", uncertainty_reason="no step"),
+            "its uncertainty is not known",
+            "no step",
+        ),
+        (Measurement.undefined("x", "V", "", "no line"), "it is undefined", "no line"),
+    ):
+        held = JudgedLimit.of("x", limit, measured)
+        assert held.conformance_reason == f"{lacks} ({why})"
+        assert held.without_conformance == lacks
+    assert JudgedLimit.of("x", limit, None).without_conformance == "it was not measured"
+
+
 @given(st.floats(-10, 10), st.floats(0, 3), st.floats(1, 50))
 def test_a_guard_band_never_reverses_simple_acceptance(value: float, standard: float, dof: float) -> None:
     uncertainty = Uncertainty(standard, "", dof)
