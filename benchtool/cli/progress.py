@@ -13,6 +13,7 @@ from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from benchtool.analysis import raw
 from benchtool.cli.exit_codes import printable
 from benchtool.cli.output import Output
 
@@ -123,12 +124,11 @@ class RecordingLine:
 def _told(status: Status) -> str:
     of = "" if status.duration_s is None else f" of {status.duration_s:g}"
     rate_Hz = status.rows / status.past_s if status.past_s > 0.0 else 0.0
-    return (
-        f"{status.past_s:.0f}{of} s, {status.rows} rows, {rate_Hz:.4g} rows/s, {status.missing_rows} missing"
-    )
+    told = f"{status.past_s:.0f}{of} s, {status.rows} rows, {raw(rate_Hz, 4)} rows/s"
+    return f"{told}, {status.missing_rows} missing"
 
 
 def _values(last: Mapping[str, float]) -> str:
     """Return the first few values of the last row."""
     shown = list(last.items())[:_MOST_VALUES]
-    return "".join(f"  {name} {value:.4g}" for name, value in shown)
+    return "".join(f"  {name} {raw(value, 4)}" for name, value in shown)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import pulse_note, sensor_remarks, undefined, without_uncertainty
+from benchtool.analysis import pulse_note, raw, sensor_remarks, undefined, without_uncertainty
 from benchtool.cli import options
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
@@ -124,6 +124,6 @@ def _timed(time: Mapping[str, Any]) -> str:
     if time["uniform"]:
         untold = "" if time["gaps"] is not None else "; whether rows are missing is unknown"
         if time["jitter_s"] is None:
-            return f"time: even, at the stated {time['rate_Hz']:.7g} Hz{untold}"
-        return f"time: even, {time['rate_Hz']:.7g} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
+            return f"time: even, at the stated {raw(time['rate_Hz'])} Hz{untold}"
+        return f"time: even, {raw(time['rate_Hz'])} Hz, jitter {time['jitter_s']:.2g} s rms{untold}"
     return f"time: not even, {time['why_not']}"

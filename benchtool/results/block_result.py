@@ -29,6 +29,7 @@ from benchtool.analysis import (
     Window,
     catalogue,
     measurements_to_json,
+    raw,
     sensor_remarks,
     signal_remarks,
     steady_state_of,
@@ -264,10 +265,8 @@ def _marked(findings: Mapping[str, Findings], block: Block) -> dict[str, Finding
 
 
 def _folded(block: Block) -> str:
-    return (
-        f"rows {block.stride} control ticks apart: what lies above {0.5 * block.sample_rate_Hz:.6g} Hz folds "
-        f"into it"
-    )
+    band = raw(0.5 * block.sample_rate_Hz, 6)
+    return f"rows {block.stride} control ticks apart: what lies above {band} Hz folds into it"
 
 
 def _as_resolved(numbers: Sequence[Measurement], block: Block) -> Iterator[Measurement]:
@@ -278,9 +277,8 @@ def _as_resolved(numbers: Sequence[Measurement], block: Block) -> Iterator[Measu
     apart, band_Hz = f"{block.stride} control ticks apart", 0.5 * block.sample_rate_Hz
     remedy = "capture, or stream every tick"
     unseen = f"the rows are {apart}, extremes between them are not seen: {remedy}"
-    folded = (
-        f"the rows are {apart}, harmonics and noise above {band_Hz:.6g} Hz fold onto those below: {remedy}"
-    )
+    band = raw(band_Hz, 6)
+    folded = f"the rows are {apart}, harmonics and noise above {band} Hz fold onto those below: {remedy}"
     for each in numbers:
         match each.sensitivities.content:
             case Extremes():

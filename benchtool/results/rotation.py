@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from benchtool.analysis import Window, change_of_regime
+from benchtool.analysis import Window, change_of_regime, raw
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 from benchtool.profile import Motor
@@ -51,16 +51,16 @@ class Rotation:
             electrical_Hz = motor.pole_pairs * omega_m / (2.0 * math.pi)
             if _SWING * electrical_Hz >= band_Hz:
                 return cls(
-                    f"by omega_m the current has {electrical_Hz:.4g} Hz, rows at {2.0 * band_Hz:.6g} Hz show "
-                    f"less than {band_Hz:.4g} Hz: stream faster"
+                    f"by omega_m the current has {raw(electrical_Hz, 4)} Hz, rows at "
+                    f"{raw(2.0 * band_Hz, 6)} Hz show less than {raw(band_Hz, 4)} Hz: stream faster"
                 )
             periods = electrical_Hz * len(block.data) / block.sample_rate_Hz
             return cls(untold=periods < _FEWEST_PERIODS or (_steady(block) and not _tracked(window)))
         highest_Hz = _BEYOND_RATED * motor.pole_pairs * motor.omega_m_N_rad_s / (2.0 * math.pi)
         if highest_Hz >= band_Hz:
             return cls(
-                f"rows at {2.0 * band_Hz:.6g} Hz show less than {band_Hz:.4g} Hz, the current of this motor "
-                f"may have {highest_Hz:.4g} Hz: record omega_m too, which tells, or stream faster"
+                f"rows at {raw(2.0 * band_Hz, 6)} Hz show less than {raw(band_Hz, 4)} Hz, the current of this "
+                f"motor may have {raw(highest_Hz, 4)} Hz: record omega_m too, which tells, or stream faster"
             )
         return cls()
 

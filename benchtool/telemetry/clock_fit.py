@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _MOST = 1 << 15
+_ROUNDING = 4.0 * math.ulp(1.0)  # relative: of the host's times, and of the drive's as tick x tick_s
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ class ArrivalStatistics:
         if self._last is not None:
             last_tick, last_s = self._last
             deviation = (arrival_s - last_s) - (tick - last_tick) * self._tick_s
+            if abs(deviation) <= _ROUNDING * abs(arrival_s):
+                deviation = 0.0
             self._intervals += 1
             self._squares += deviation * deviation
             self.jitter_max_s = max(self.jitter_max_s, abs(deviation))
@@ -82,6 +85,7 @@ class ArrivalStatistics:
         drive_s = (ticks - ticks[0]) * self._tick_s
         # Centred, and as the deviation from drive time, so that a day's seconds do not cost microseconds.
         deviation = (arrivals - arrivals[0]) - drive_s
+        deviation[np.abs(deviation) <= _ROUNDING * np.max(np.abs(arrivals))] = 0.0
         centred = drive_s - drive_s.mean()
         slope = float(centred @ (deviation - deviation.mean()) / (centred @ centred))
         residual = deviation - deviation.mean() - slope * centred

@@ -10,6 +10,7 @@ from typing import Any
 from benchtool.analysis import (
     measurements_from_json,
     measurements_to_json,
+    raw,
     sensor_remarks,
     tables_from_json,
     tables_to_json,
@@ -118,7 +119,7 @@ def _figures(bundle: Bundle, source: Mapping[str, Any]) -> Iterator[Item]:
     measured = replace(block, channels=columns, data=block.data[:, 1:])
     figure = draw_channels(measured, f"{bundle.manifest.what}: every column that was measured")
     caption = (
-        f"Every column that was measured, {len(block.data)} rows at {block.sample_rate_Hz:.7g} Hz. "
+        f"Every column that was measured, {len(block.data)} rows at {raw(block.sample_rate_Hz)} Hz. "
         f"Long traces are drawn by the least and the greatest value of each stretch, so that no peak is lost."
     )
     yield Section("Figures", (Picture(figure, caption, content.describe_figure(figure)),))
@@ -141,7 +142,7 @@ def _facts(source: Mapping[str, Any]) -> content.Facts:
     pairs = {
         "file": str(source["file"]),
         "rows": f"{source['rows_read']} read{dropped}, {source['rows_used']} used",
-        "time": f"even, {time['rate_Hz']:.7g} Hz" if time["uniform"] else f"not even, {time['why_not']}",
+        "time": f"even, {raw(time['rate_Hz'])} Hz" if time["uniform"] else f"not even, {time['why_not']}",
     }
     for what, column in source["columns"].items():
         assumed = " (assumed)" if column["unit_from"] == "assumed" else ""

@@ -87,3 +87,14 @@ def test_two_records_are_no_fit() -> None:
     statistics.add(0, 0.0)
     statistics.add(10, 1.0)
     assert statistics.fit() is None
+
+
+def test_what_rounding_leaves_of_two_equal_clocks_is_no_jitter() -> None:
+    """An emulated drive has one clock: a jitter of 8.5e-18 s and a drift of -5e-11 ppm were stated."""
+    statistics = ArrivalStatistics(TICK_S)
+    for tick in range(0, 200_000, 100):
+        statistics.add(tick, 3.1 + tick * TICK_S)
+    fit = statistics.fit()
+    assert fit is not None
+    assert (statistics.jitter_rms_s, statistics.jitter_max_s) == (0.0, 0.0)
+    assert (fit.drift_ppm, fit.residual_rms_s, fit.residual_max_s) == (0.0, 0.0, 0.0)
