@@ -14,6 +14,7 @@ from rich.text import Text
 from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
+from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
 from benchtool.cli.results import show_contradicted, show_disagreements, verdict_text
 from benchtool.cli.side_by_side import Column, show_beside
@@ -161,6 +162,7 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
     letters = _letters(comparison)
     title = f"{comparison.case or 'comparison'}: means of the repetitions"
     _show_columns(output, title, comparison, letters)
+    _show_without_uncertainty(output, comparison)
     for label, result in comparison.results.items():
         for each in result.judged:
             told = f": it {each.told.reason}" if each.told else ""
@@ -171,6 +173,12 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
                 VERDICT_COLOURS[each.counted],
             )
             show_contradicted(output, f"{letters[label]}: ", each)
+
+
+def _show_without_uncertainty(output: Output, comparison: SideBySide[MeasuredCase]) -> None:
+    """Print why differences have no uncertainty."""
+    for reason, names in comparison.without_uncertainty.items():
+        output.sentence(f"without ±: {named(names)}: {reason}", "dim")
 
 
 def _letters(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
@@ -190,6 +198,7 @@ def show(output: Output, comparison: Comparison) -> None:
         output.sentence(chance, "dim")
     for reason in dict.fromkeys(comparison.not_compared):
         output.sentence(reason, "dim")
+    _show_without_uncertainty(output, comparison)
     for sentence in comparison.unlike:
         output.sentence(sentence, "yellow")
     prefixed = [(f"{letters[label]}: ", result) for label, result in results.items()]

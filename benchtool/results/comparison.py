@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, Protocol, Self, TypeVar
 
-from benchtool.analysis import COVERAGE, Correction, Measurement, Uncertainty, of_difference, raw
+from benchtool.analysis import COVERAGE, Measurement, Uncertainty, raw
 from benchtool.plan import Limit, Verdict
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
+from benchtool.results.comparability import SAME, of_two_quantities, uncertainty_of_difference, why_undecided
 from benchtool.results.judged_repetitions import JudgedTogether
 from benchtool.results.repetitions import Repeated
-
-_SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
-_SAME = 0.01  # of the longer record: whole periods differ by less; of the wider bin or band
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,8 @@ class Delta:
     It is None where one of them has none. `exceeds` tells whether the difference is more than the expanded
     uncertainty, with k from the effective degrees of freedom of both; None where there is none. `judgement`
     is empty where no limit defines which direction is better, or where the difference does not exceed its
-    uncertainty. `reason` says why two values are not of one quantity, so that nothing is decided.
+    uncertainty. `reason` says why two values are not of one quantity, so that nothing is decided, and
+    `uncertainty_reason` why values of one have no uncertainty of their difference.
     """
 
     name: str
@@ -40,6 +39,7 @@ class Delta:
     exceeds: bool | None
     judgement: Literal["", "better", "worse"]
     reason: str = ""
+    uncertainty_reason: str = ""
 
     @property
     def standard(self) -> float:
@@ -69,7 +69,9 @@ class Delta:
             "expanded_uncertainty": None if self.expanded is None else _finite(self.expanded),
             "exceeds_uncertainty": self.exceeds,
             "judgement": self.judgement or None,
-        } | ({"reason": self.reason} if self.reason else {})
+            **({"reason": self.reason} if self.reason else {}),
+            **({"uncertainty_reason": self.uncertainty_reason} if self.uncertainty_reason else {}),
+        }
 
 
 @dataclass(frozen=True)
@@ -191,6 +193,15 @@ class SideBySide(Generic[_Result]):
         deltas = (each for found in self.deltas.values() for each in found)
         return tuple(f"{each.name}: {each.reason}." for each in deltas if each.reason)
 
+    @property
+    def without_uncertainty(self) -> Mapping[str, tuple[str, ...]]:
+        """The names of the differences without an uncertainty, by the reason."""
+        found: dict[str, dict[str, None]] = {}
+        for each in (delta for deltas in self.deltas.values() for delta in deltas):
+            if each.uncertainty_reason:
+                found.setdefault(each.uncertainty_reason, {})[each.name] = None
+        return {reason: tuple(names) for reason, names in found.items()}
+
 
 @dataclass(frozen=True)
 class Comparison(SideBySide[Assessment]):
@@ -278,13 +289,8 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
             continue
         absolute = two.value - one.value
         percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        reason = (
-            _other_line(one, two)
-            or _other_order(one, two)
-            or _other_extent(one, two)
-            or _corrected_alone(one, two)
-        )
-        uncertainty = None if reason else _combined(one, two)
+        reason = of_two_quantities(one, two)
+        uncertainty = None if reason else uncertainty_of_difference(one, two)
         # where either is missing, nothing is decided
         U = math.nan if uncertainty is None else uncertainty.expanded
         exceeds = bool(abs(absolute) > U) if math.isfinite(absolute) and math.isfinite(U) else None
@@ -301,6 +307,7 @@ def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
             exceeds,
             judgement,
             reason,
+            "" if reason else why_undecided(one, two),
         )
 
 
@@ -315,80 +322,10 @@ def _unlike_first(values: Mapping[str, float], preposition: str, unit: str) -> s
     unlike = [
         label
         for label in others
-        if abs(values[label] - values[first]) > _SAME * max(values[label], values[first])
+        if abs(values[label] - values[first]) > SAME * max(values[label], values[first])
     ]
     shown = (f"{label} {preposition} {raw(values[label], 5)} {unit}" for label in (first, *unlike))
     return ", ".join(shown) if unlike else ""
-
-
-def _other_line(one: Measurement, two: Measurement) -> str:
-    """Return why the largest lines of two spectra may be two lines of each; empty if they are one."""
-    here, there = one.basis, two.basis
-    if here.line_Hz is None or there.line_Hz is None or not here.duration_s or not there.duration_s:
-        return ""
-    if abs(there.line_Hz - here.line_Hz) <= _SAME_LINE * (1.0 / here.duration_s + 1.0 / there.duration_s):
-        return ""
-    return (
-        f"the largest line is at {raw(here.line_Hz, 6)} Hz in the reference and at "
-        f"{raw(there.line_Hz, 6)} Hz here: two lines, whose numbers are not compared"
-    )
-
-
-def _other_order(one: Measurement, two: Measurement) -> str:
-    """Return that two amplitudes are those of two orders; empty if they are of one."""
-    here, there = one.basis.order, two.basis.order
-    if here is None or there is None or here == there:
-        return ""
-    return (
-        f"the largest order is {here} in the reference and {there} here: two orders, whose numbers are not "
-        f"compared"
-    )
-
-
-def _other_extent(one: Measurement, two: Measurement) -> str:
-    """Return that noise is stated of bins of other widths, that a signal settled within another band, or that
-    a transient was followed for another time; empty if they are the same."""
-    here, there = one.basis, two.basis
-    for first, second, unit, what in (
-        (here.bin_Hz, there.bin_Hz, " Hz", "bins, which hold other shares of the noise: compare its density"),
-        (
-            here.band,
-            there.band,
-            "",
-            "bands within which it counts as settled, by step or noise of each record",
-        ),
-        (here.span_s, there.span_s, " s", "times after the step, over which its samples count"),
-    ):
-        if first is not None and second is not None and abs(first - second) > _SAME * max(first, second):
-            return f"{raw(first, 4)}{unit} in the reference and {raw(second, 4)}{unit} here are two {what}"
-    return ""
-
-
-def _corrected_alone(one: Measurement, two: Measurement) -> str:
-    """Return that one number alone is corrected for its sensors by more than the uncertainty of both; empty
-    if neither is."""
-    match one.correction, two.correction:
-        case Correction() as correction, None:
-            which = "the reference"
-        case None, Correction() as correction:
-            which = "this"
-        case _:
-            return ""
-    uncertainty = _combined(one, two)
-    if uncertainty is not None and abs(correction.added) <= uncertainty.expanded:
-        return ""
-    return (
-        f"{which} alone is corrected, by {raw(correction.added, 4)} {one.unit} for the {correction.of}: a "
-        f"number that is corrected and one as it was read are not compared, state the sensor's bandwidth of "
-        f"both runs"
-    )
-
-
-def _combined(one: Measurement, two: Measurement) -> Uncertainty | None:
-    first, second = one.uncertainty_of_state, two.uncertainty_of_state
-    if first is None or second is None:
-        return None
-    return of_difference(first, second, (one.value, two.value))
 
 
 def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:

@@ -59,8 +59,9 @@ class Rotation:
         highest_Hz = _BEYOND_RATED * motor.pole_pairs * motor.omega_m_N_rad_s / (2.0 * math.pi)
         if highest_Hz >= band_Hz:
             return cls(
-                f"rows at {raw(2.0 * band_Hz, 6)} Hz show less than {raw(band_Hz, 4)} Hz, the current of this "
-                f"motor may have {raw(highest_Hz, 4)} Hz: record omega_m too, which tells, or stream faster"
+                f"rows at {raw(2.0 * band_Hz, 6)} Hz show less than {raw(band_Hz, 4)} Hz, the current of "
+                f"this motor may have {raw(highest_Hz, 4)} Hz: record omega_m too, which tells, or stream "
+                f"faster"
             )
         return cls()
 

@@ -303,6 +303,10 @@ class Delta(Document):
     """Whether the difference exceeds that."""
     judgement: str | None
     """`better` or `worse` by a limit."""
+    reason: str | None = None
+    """Why two values are not of one quantity."""
+    uncertainty_reason: str | None = None
+    """Why the difference has no uncertainty."""
 
 
 class Chance(Document):

@@ -161,6 +161,8 @@ def _measured(comparison: SideBySide[MeasuredCase]) -> Iterator[Item]:
         yield Text(chance, "note")
     for reason in dict.fromkeys(comparison.not_compared):
         yield Text(reason, "note")
+    for reason, without in comparison.without_uncertainty.items():
+        yield Text(f"Without ±: {', '.join(without)}: {reason}.", "note")
 
 
 def _notes(comparison: SideBySide[MeasuredCase], name: str) -> Iterator[str]:

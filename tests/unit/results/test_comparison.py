@@ -126,8 +126,16 @@ def test_a_limit_tells_which_direction_is_good(limit: Limit | None, less: str) -
 @pytest.mark.parametrize("standards", [(None, None), (0.01, None), (None, 0.01)])
 def test_a_difference_without_uncertainty_is_not_judged(standards: tuple[float | None, float | None]) -> None:
     one, two = standards
-    (delta,) = deltas(result(x=(0.5, one), limit=Limit(max=1.0)), result(x=(0.4, two)))
+    reference, other = result(x=(0.5, one), limit=Limit(max=1.0)), result(x=(0.4, two))
+    (delta,) = deltas(reference, other)
     assert (delta.exceeds, delta.judgement) == (None, "")
+    told = {
+        (None, None): "it has no uncertainty",
+        (0.01, None): "here, it has no uncertainty",
+        (None, 0.01): "in the reference, it has no uncertainty",
+    }[standards]
+    assert delta.uncertainty_reason == delta.to_json()["uncertainty_reason"] == told
+    assert Comparison.of("", {"A": reference, "B": other}).without_uncertainty == {told: ("x",)}
 
 
 def test_the_uncertainties_of_both_are_combined() -> None:
