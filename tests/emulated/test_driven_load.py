@@ -23,6 +23,8 @@ BENCH = {
     "shaft.J_load_kgm2": 1e-4,
     "load.quadratic_Nms2": 4e-4,
     "flange.offset_Nm": 0.001,
+    "inverter.dc_link_R_ohm": 0.01,
+    "inverter.dc_link_C_F": 0.1,
 }
 
 

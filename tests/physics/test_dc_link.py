@@ -12,11 +12,19 @@ from scipy.integrate import solve_ivp
 
 from benchtool.emulator.core import Core, Trip
 from benchtool.emulator.machine.dc_link import charged, giving
+from benchtool.emulator.machine.train_truth import FlangeTruth, LoadTruth, ShaftTruth, TrainTruth
 from benchtool.emulator.machine.truth import InverterTruth
 from benchtool.errors import ValueRefused
 from tests.physics.paper_machine import FINE, captured, make_core
 
 LINK: dict[str, Any] = {"u_dc_V": 122.5, "dc_link_R_ohm": 0.5, "dc_link_C_F": 1e-3}
+# Too small to be felt: with the parts of tests/physics/test_flange the kernel is that one.
+UNFELT: dict[str, Any] = {
+    "motor": {"cogging_Nm": (1e-12, 1e-12), "cogging_order": (24, 48), "coulomb_Nm": 1e-12},
+    "train": TrainTruth(
+        shaft=ShaftTruth(J_load_kgm2=1e-12), load=LoadTruth(linear_Nms=1e-12), flange=FlangeTruth()
+    ),
+}
 
 
 @settings(max_examples=60, deadline=None)
@@ -74,6 +82,7 @@ def braking(**inverter: float) -> Core:
         inverter={**LINK, "u_dc_V": 250.0, **inverter},
         sensors=FINE,
         parameters={"u_dc_max": 300.0, "u_s": 150.0},
+        **UNFELT,
     )
     core.load.held, core.load.omega_m_rad_s = 1, 150.0
     core.memory["torque_command"] = -4.0
@@ -103,7 +112,8 @@ def test_the_chopper_holds_the_link_between_its_levels() -> None:
 
 def test_the_supplys_ripple_is_on_the_link() -> None:
     """Resistance and capacitor are a low pass of 318 Hz, as long as the supply feeds all the time."""
-    core = make_core(inverter={**LINK, "supply_ripple_V": 1.0, "supply_ripple_Hz": 320.0}, sensors=FINE)
+    ripple = {"supply_ripple_V": 1.0, "supply_ripple_Hz": 320.0}
+    core = make_core(inverter={**LINK, **ripple}, sensors=FINE, **UNFELT)
     core.load.held, core.load.omega_m_rad_s = 1, 60.0
     core.memory["torque_command"] = 8.0  # 490 W: 4 A, of which the ripple takes 1.4 A
     core.command.pwm_enabled = 1
@@ -115,7 +125,7 @@ def test_the_supplys_ripple_is_on_the_link() -> None:
 
 def test_a_diode_rectifier_of_the_machine_charges_the_link() -> None:
     """Held at rated speed with the stage off the link rises to the peak of the line EMF, and stays."""
-    core = make_core(inverter=LINK, sensors=FINE, parameters={"u_dc_max": 400.0})
+    core = make_core(inverter=LINK, sensors=FINE, parameters={"u_dc_max": 400.0}, **UNFELT)
     core.load.held, core.load.omega_m_rad_s = 1, 157.1
     core.run(20_000)
     peak = math.sqrt(3.0) * 0.1685 * 4 * 157.1

@@ -30,16 +30,18 @@ COGGING: dict[str, Any] = {
 RUBBING: dict[str, Any] = {"coulomb_Nm": 0.1, "friction_Nms": 2e-3}
 J, J_LOAD = 13.1e-4, 4e-3
 QUICK = FlangeTruth(bandwidth_Hz=1e12)
+STIFF_LINK: dict[str, Any] = {"dc_link_R_ohm": 0.01, "dc_link_C_F": 0.1}
 
 
 def bench(flange: FlangeTruth = QUICK, load: LoadTruth | None = None, **motor: Any) -> Core:
-    """The paper's machine with an inertia on its flange. All benches here have the same parts: one kernel."""
+    """The paper's machine with an inertia on its flange. All benches here have the same parts, those of
+    `test_dc_link` too: one kernel."""
     train = TrainTruth(
         shaft=ShaftTruth(J_load_kgm2=J_LOAD),
         load=load or LoadTruth(linear_Nms=1e-12),
         flange=flange,
     )
-    return make_core(motor={**COGGING, **RUBBING, **motor}, train=train)
+    return make_core(motor={**COGGING, **RUBBING, **motor}, inverter=STIFF_LINK, train=train)
 
 
 def recorded(core: Core, ticks: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
