@@ -16,6 +16,7 @@ from typing import Final
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 # As in the command line, before numpy is imported, here and in the workers: further threads of linear algebra
 # take the processor from the other tests.
@@ -45,6 +46,13 @@ settings.register_profile(
 settings.load_profile("reproducible")
 
 import_can_without_mdf()
+
+
+def _not_flushed(_: object) -> None:
+    """Take the place of `os.fsync`: a test survives no loss of power, and flushing waits for the disk."""
+
+
+os.fsync = _not_flushed
 
 LONGEST_FIRST: Final = (
     "tests/checks/test_source.py",
@@ -94,7 +102,6 @@ LONGEST_FIRST: Final = (
     "tests/emulated/api/test_runs.py",
     "tests/emulated/test_commission.py",
     "tests/unit/recording/test_integrity.py",
-    "tests/emulated/test_driven_load.py",
     "tests/emulated/test_motors.py",
 )
 """Files that take seven seconds and more. A worker takes file after file: one of these at the end, and the
@@ -115,6 +122,13 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
         gc.freeze()
         gc.set_threshold(OBJECTS)
         gc.enable()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep hypothesis from constants of the modules that happen to be imported: examples would differ between
+    a file alone and the suite, and a worker parses all sources for them. Thorough runs have them."""
+    if config.getoption("--hypothesis-profile") is None:
+        providers._get_local_constants = lambda: providers._local_constants
 
 
 def _import_tests(root: Path, workerid: str, workercount: int, **_: object) -> None:

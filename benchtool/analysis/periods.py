@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy import fft
@@ -118,14 +119,18 @@ class PhaseTrack:
             last, reach = last + reach, 2 * reach
         return np.arange(first, last + 1, dtype=np.float64)
 
+    @cached_property
+    def _slope(self) -> Polynomial:
+        """The slope of the polynomial, rad per sample."""
+        return self.phase.deriv()
+
     def _of_polynomial(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
         begin, end = float(self.phase(0)), float(self.phase(self.samples - 1))
         numbers = (phase - begin) * ((self.samples - 1) / (end - begin))
-        slope = self.phase.deriv()
         for start in range(0, len(phase), _CHUNK):
             chunk = slice(start, start + _CHUNK)
             for _ in range(_NEWTON_STEPS):
-                step = (self.phase(numbers[chunk]) - phase[chunk]) / slope(numbers[chunk])
+                step = (self.phase(numbers[chunk]) - phase[chunk]) / self._slope(numbers[chunk])
                 numbers[chunk] -= step
                 if np.max(np.abs(step)) < _NEWTON_ENOUGH:
                     break

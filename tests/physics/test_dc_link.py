@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from scipy.integrate import solve_ivp
 
 from benchtool.emulator.core import Core, Trip
@@ -67,6 +67,8 @@ def test_the_closed_form_is_the_solution_of_the_equation(
 def test_the_capacitor_gives_the_energy_that_the_legs_took(
     C: float, u: float, u_s: float, R: float, G: float, power_W: float
 ) -> None:
+    # beyond what it holds, less what the chopper takes, there is no such current
+    assume(1e-4 * (power_W + G * u**2) < 0.4 * C * u**2)
     found = giving(C, u, u_s, 1.0 / R, G, 1e-4 * power_W, 1e-4)
     given_J = u_s * found.fed - found.lost - found.burnt - 0.5 * C * (found.u**2 - u**2)
     moved = abs(u_s * found.fed) + found.lost + found.burnt + 1e-4 * abs(power_W) + C * abs(found.u**2 - u**2)

@@ -48,6 +48,14 @@ def test_an_error_while_writing_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_content_is_on_the_disk_before_its_name_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, flushed = tmp_path / "report.html", list[tuple[int, bool]]()
+    monkeypatch.setattr(os, "fsync", lambda file: flushed.append((os.fstat(file).st_size, path.exists())))
+    write_whole(path, b"content")
+    assert flushed == [(7, False)]
+    assert path.read_bytes() == b"content"
+
+
 def test_permissions_and_links_stay(tmp_path: Path) -> None:
     target, link = tmp_path / "real.html", tmp_path / "link.html"
     target.write_text("old", encoding="utf-8")

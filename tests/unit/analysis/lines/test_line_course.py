@@ -32,8 +32,9 @@ def _errors(swing_rad: float, cycles: float) -> np.ndarray[tuple[int], np.dtype[
     return np.array(found)
 
 
-@pytest.mark.parametrize("noise", [4e-4, 4e-2])
-@pytest.mark.parametrize("rows", [1000, 3000])
+@pytest.mark.parametrize(
+    ("rows", "noise"), [(1000, 4e-4), (3000, 4e-2), *at_length((1000, 4e-2), (3000, 4e-4))]
+)
 def test_the_mean_of_a_drift_is_over_all_rows_however_quiet_they_are(rows: int, noise: float) -> None:
     """Parts of the record are not of one length, of few cycles, and the frequency changes within them."""
     errors = []

@@ -10,6 +10,7 @@ import pytest
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, fitted_orders
 from benchtool.analysis.orders.orders import order_analysis
+from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import Array, block_of
 
 _ROWS, _REVOLUTIONS, _NOISE = 8_000, 40.3, 2e-3
@@ -59,7 +60,7 @@ def test_a_course_of_the_amplitude_is_no_scatter(course: str, way: Callable[[Arr
 
 
 @pytest.mark.parametrize("way", [_by_time, _by_angle])
-@pytest.mark.parametrize("drift", [0.0, 0.3, -4.0])
+@pytest.mark.parametrize("drift", [0.0, -4.0, *at_length(0.3)])
 def test_a_course_is_not_in_the_orders_beside_it(way: Callable[[Array], OrderSpectrum], drift: float) -> None:
     rng = np.random.default_rng(5)
     found = [way(_torque(_COURSES["falls"], rng, drift)) for _ in range(5)]

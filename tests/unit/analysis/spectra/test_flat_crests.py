@@ -17,7 +17,7 @@ from benchtool.analysis import (
     signal_remarks,
     track_angle,
 )
-from benchtool.analysis.spectra.flat_crests import flat_crest
+from benchtool.analysis.spectra.flat_crests import _folded, _level_share, _longest, _slope, flat_crest
 from benchtool.block import Block
 
 Floats = NDArray[np.float64]
@@ -169,3 +169,57 @@ def test_components_take_over_the_crest_of_a_spectrum_that_is_known() -> None:
     for share in (0.0, 0.1):
         found = current_unbalance(block, of_a.track, known={"i_a": replace(of_a, flat_crest=share)})
         assert {each.basis.flat_crest for each in found} == {share or None}
+
+
+def _wave(crest: list[float], places: int = 100) -> Floats:
+    """A waveform with these places at its crest, which falls by a tenth a place on either side."""
+    beside = 1.0 - 0.1 * np.arange(1.0, 1.0 + (places - len(crest)) / 2)
+    return np.concatenate([beside[::-1], crest, beside])[:places]
+
+
+@pytest.mark.parametrize(("length", "share"), [(6, 0.0), (7, 0.07), (20, 0.2)])
+def test_a_level_crest_has_seven_places_or_more(length: int, share: float) -> None:
+    assert _level_share(_wave([1.0] * length), np.full(100, 1e-3), 0.0) == pytest.approx(share)
+
+
+def test_a_crest_is_level_about_its_mean_and_not_its_greatest() -> None:
+    """Of a tolerance of 4 errors, 0.9 and 1.5 below the greatest: the mean is 0.79 below it."""
+    crest = 1.0 - 4e-3 * np.array([0.0] + 7 * [0.9] + 2 * [1.5])
+    assert _level_share(_wave(crest.tolist()), np.full(100, 1e-3), 0.0) == pytest.approx(0.1)
+
+
+def test_the_tolerance_is_by_the_median_error_within_a_fortieth_of_a_period() -> None:
+    """Of 216 places six to either side, and of these 13 seven with the larger error."""
+    wave = _wave([1.0 - 7e-3] * 3 + [1.0] * 10 + [1.0 - 7e-3] * 3, 216)
+    error = np.full(216, 2e-3)
+    top = int(np.argmax(wave))
+    error[top - 3 : top + 3] = 1e-3
+    assert _level_share(wave, error, 0.0) == pytest.approx(16 / 216)
+    error[top + 3] = 1e-3
+    assert _level_share(wave, error, 0.0) == 0.0  # of the ten that are level beside lower ones
+
+
+def test_the_longest_run_is_told_wherever_it_is() -> None:
+    assert _longest(np.array([True, True, True, False, True])) == (0, 2)
+    assert _longest(np.array([True, False, True, True, True])) == (2, 4)
+
+
+def test_beside_a_corner_a_waveform_has_the_slope_of_its_flatter_side() -> None:
+    wave = np.array([0.0, 1.0, 3.0, 6.0, 6.0, 4.0, 1.0])
+    assert _slope(wave).tolist() == [0.0, 1.0, 2.0, 0.0, 0.0, -2.0, -1.0]
+
+
+def test_six_samples_are_at_a_place_and_their_scatter_is_its_error() -> None:
+    random = np.random.default_rng(7)
+    turns = np.sort(random.uniform(100.0, 120.0, 2400))
+    read = np.cos(2 * np.pi * turns) + 1e-3 * random.standard_normal(2400)
+    found = _folded(read[::4], turns[::4])
+    assert found is not None
+    assert len(found[0]) <= 100
+    found = _folded(read, turns)
+    assert found is not None
+    wave, error = found
+    middles = np.cos(2 * np.pi * (np.arange(len(wave)) + 0.5) / len(wave))
+    assert np.sqrt(np.mean(((wave - middles) / error) ** 2)) < 1.5
+    assert np.median(error) == pytest.approx(1e-3 / math.sqrt(2400 / len(wave)), rel=0.2)
+    assert flat_crest(np.clip(read, -0.8, 0.8)[:350], turns[:350]) == 0.0  # fewer than three periods
