@@ -213,13 +213,23 @@ def test_six_samples_are_at_a_place_and_their_scatter_is_its_error() -> None:
     random = np.random.default_rng(7)
     turns = np.sort(random.uniform(100.0, 120.0, 2400))
     read = np.cos(2 * np.pi * turns) + 1e-3 * random.standard_normal(2400)
-    found = _folded(read[::4], turns[::4])
-    assert found is not None
-    assert len(found[0]) <= 100
+    for count, places in ((600, 100), (2400, 240)):
+        even = 0.05 * math.sqrt(1.2) * np.arange(count)
+        found = _folded(np.cos(2 * np.pi * even), even)
+        assert found is not None
+        assert len(found[0]) == places
+    assert flat_crest(np.clip(np.cos(2 * np.pi * even), -0.8, 0.8)[:350], even[:350]) == 0.0  # 58 places
     found = _folded(read, turns)
     assert found is not None
     wave, error = found
     middles = np.cos(2 * np.pi * (np.arange(len(wave)) + 0.5) / len(wave))
     assert np.sqrt(np.mean(((wave - middles) / error) ** 2)) < 1.5
     assert np.median(error) == pytest.approx(1e-3 / math.sqrt(2400 / len(wave)), rel=0.2)
-    assert flat_crest(np.clip(read, -0.8, 0.8)[:350], turns[:350]) == 0.0  # fewer than three periods
+
+
+@pytest.mark.parametrize(("periods", "is_told"), [(2.95, False), (3.05, True)])
+def test_three_periods_from_any_one_on_tell(periods: float, is_told: bool) -> None:
+    turns = 100.0 + np.linspace(0.0, periods, 2400)
+    read = np.clip(np.cos(2 * np.pi * turns), -0.8, 0.8)
+    noise = 1e-3 * np.random.default_rng(8).standard_normal(2400)
+    assert (flat_crest(read + noise, turns) > 0.0) is is_told
