@@ -28,6 +28,7 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise, UnevenNoise, without_a_line
+from benchtool.analysis.steps.tails import Tail
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 
 Floats = NDArray[np.float64]
@@ -50,10 +51,6 @@ _PLACES = 32  # in which an instant may be, each as likely
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _ON_THE_WAY = "noise of the samples on their way"
 _TIMES = "times of the samples, which scatter"
-
-
-LITTLE = 0.1
-"""Of the noise: a tail of which less is left is not seen in it."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +102,8 @@ class ArrivedSamples:
 
         They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
         these are enough, their noise stands for `noise`, that of samples at rest elsewhere; where a `drift`
-        goes on in them, they are about a line. `step` is that of a converter, 0 without one.
+        goes on in them, they are about a line, and where the slowest tail of the answer does, about that.
+        `step` is that of a converter, 0 without one.
         """
         end = len(samples)
         first = min(math.ceil(begin.place), end)
@@ -120,9 +118,12 @@ class ArrivedSamples:
             rest = end
         else:
             settled = samples[rest:]
-            course[rest:] = settled - without_a_line(settled) if drifts else np.mean(settled)
-            elsewhere, noise = noise.rms, Noise.of(settled)
-            if not drifts:
+            about = settled - without_a_line(settled) if drifts else None
+            if about is None:
+                about = Tail.of(_away(course, first), band).goes_on_in(settled, rest)
+            course[rest:] = np.mean(settled) if about is None else about
+            elsewhere, noise = noise.rms, Noise.of(settled if drifts else settled - course[rest:])
+            if about is None:
                 noise_alone = noise_of_readings(settled, step)
                 added = max(0.0, float(np.var(settled)) - noise_alone**2)
             if not noise.rms < LOUD * elsewhere < LOUD**2 * noise.rms:
@@ -201,8 +202,9 @@ class ArrivedSamples:
         rms = self.rms
         if not rms > 0.0:
             return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
+        moving = len(self.values) - (self.at_rest if self._is_level else 0)
         weights = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
-        on_the_way = self.noise.of_sum(weights)
+        on_the_way = self.noise.of_sum(self.course[:moving] / (rms * len(self.values)))
         if self.on_the_way is not None:
             power = self.on_the_way.of_sum_of_squares() / (2.0 * rms * len(self.values))
             on_the_way = math.hypot(self.on_the_way.of_sum(weights), power)
@@ -242,7 +244,7 @@ class ArrivedSamples:
         if not self.at_rest:
             square = 0.0 if self.on_the_way is not None else self.noise.of_mean_square(len(self.values))
             return Contribution(name, "A", square / (2.0 * rms))
-        squares = self._settled**2
+        squares = (self._settled if self._is_level else self._at_rest) ** 2
         error = error_of_record(squares)
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
@@ -333,6 +335,11 @@ class ArrivedSamples:
         return self.values[-self.at_rest :]
 
     @property
+    def _is_level(self) -> bool:
+        """Whether the course of the samples at rest is one level."""
+        return bool(np.all(self.course[-self.at_rest :] == self.course[-1]))
+
+    @property
     def _at_rest(self) -> Floats:
         """Noise of the samples at rest, about their course."""
         return self._settled - self.course[-self.at_rest :]
@@ -417,30 +424,24 @@ def _places(begin: Instant) -> Floats:
     return np.asarray(begin.place + np.nanquantile(drawn, middles) - np.nanmedian(drawn))
 
 
-def end_of_tail(away: Floats, band: float, noise: float) -> int:
-    """Return the row from which the slowest tail of a course that is so far `away` from its last level, shape
-    (n,), is less than a tenth of the rms of the noise: it decays as fast as it leaves the outer half of the
-    band within which it has settled. 0 where there is no noise, or more than that."""
-    little = LITTLE * noise
-    if not 0.0 < little < band:
-        return 0
-    last, halved = (int(np.max(np.flatnonzero(away > each), initial=0)) for each in (band, 0.5 * band))
-    return halved + math.ceil((halved - last) * math.log2(0.5 * band / little))
+def _away(curve: Floats, first: int) -> Floats:
+    """Return how far a curve, shape (n,), is from the level of the last quarter of what has arrived in the
+    row `first`."""
+    last = curve[len(curve) - max(1, (len(curve) - first) // 4) :]
+    return np.asarray(curve - np.median(last))
 
 
 def _rest(curve: Floats, first: int, band: float, noise: float, event: int) -> int:
     """Return the row from which on what has arrived in the row `first` is at rest: where it stays near its
     last level, twice that time after the event, and thrice where half of the samples are left; later where
     its tail ends later, and leaves a third of them."""
-    end = len(curve)
-    last = curve[end - max(1, (end - first) // 4) :]
-    away = np.abs(curve - np.median(last))
-    settled = int(np.max(np.flatnonzero(away > band) + 1, initial=0))
+    end, away = len(curve), _away(curve, first)
+    settled = int(np.max(np.flatnonzero(np.abs(away) > band) + 1, initial=0))
     if settled >= end:
         return first
     took = max(0, settled - event)
     rest = max(first, event + _AT_REST * took, min(event + _IF_ROOM * took, (first + end) // 2))
-    later = end_of_tail(away, band, noise)
+    later = Tail.of(away, band).end(noise)
     return later if rest < later <= end - (end - first) // _IF_ROOM else rest
 
 

@@ -21,7 +21,6 @@ from benchtool.analysis.drawings import TORQUE
 from benchtool.analysis.measurement import Measurement, MeasurementJson, measurements_to_json
 from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import means_of_parts
-from benchtool.analysis.steps.arrived_samples import LITTLE, end_of_tail
 from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
@@ -32,6 +31,7 @@ from benchtool.analysis.steps.step_drift import find_drift, wanders
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
 from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown
+from benchtool.analysis.steps.tails import LITTLE, Tail
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -103,9 +103,13 @@ def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
     if (noise := LITTLE * step.y_noise.rms) > 0.0:
         times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
     begin = math.ceil(step.fall + times * max(0.0, settled.place - step.fall))
-    away = np.abs(curve.values - float(np.mean(step.y_clear[-step.tail :])))
-    later = end_of_tail(away, band, step.y_noise.rms)
-    return later if begin < later <= (1.0 - _LONGER * TAIL) * len(away) else begin
+    later = _tail(step, curve, band).end(step.y_noise.rms)
+    return later if begin < later <= (1.0 - _LONGER * TAIL) * len(step.y) else begin
+
+
+def _tail(step: Step, curve: NoisyCurve, band: float) -> Tail:
+    """Return the slowest tail of the answer, about the level at the end."""
+    return Tail.of(curve.values - float(np.mean(step.y_clear[-step.tail :])), band)
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -161,7 +165,11 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     settled = curve.last_outside(step.final, band, step.fall)
     if settled is None or not math.isfinite(settled.standard):
         return curve, step.y_clear[len(step.y) // 2 :]
-    at_rest = step.y_clear[_rest(step, curve, settled, band) :]
+    rest = _rest(step, curve, settled, band)
+    at_rest = step.y_clear[rest:]
+    tail = _tail(step, curve, band).goes_on_in(at_rest, rest)
+    if tail is not None:
+        at_rest = at_rest - tail + tail[-1]
     if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve, at_rest
     noise = Noise.of(step.y_before, at_rest)

@@ -113,6 +113,26 @@ def test_a_tail_slower_than_the_rise_is_no_noise_of_a_plateau() -> None:
     assert 4e-5 < mean.standard < 1.2e-4  # white noise 5e-5
 
 
+def test_a_tail_that_outlasts_the_record_is_no_noise() -> None:
+    random = np.random.default_rng(33)
+    since = np.maximum(np.arange(2250.0) - BEFORE, 0.0)
+    way = np.where(since > 0.0, 1.0 - 0.95 * np.exp(-since / 8.0) - 0.05 * np.exp(-since / 300.0), 0.0)
+    arrived = 300.0 * np.log(2.5)
+    errors = []
+    for _ in range(4):
+        found = _found(way + 2e-3 * random.standard_normal(len(way)))
+        names = "plateau_mean", "tracking_error_rms", "overshoot", "settling_time"
+        known = [found[name].uncertainty for name in names]
+        mean, rms, greatest, settling = (each.standard for each in known if each is not None)
+        assert mean < 1.2e-4  # white noise 5e-5
+        assert rms < 2e-4
+        assert greatest < 5e-4
+        assert settling < 0.06 * arrived / RATE_HZ
+        truth = float(np.mean(way[BEFORE + int(arrived) :]))
+        errors.append((found["plateau_mean"].value - truth) / mean)
+    assert float(np.max(np.abs(errors))) < 3.0
+
+
 def test_the_greatest_error_of_an_answer_in_hum_is_not_that_of_its_first_sample() -> None:
     way = _lag(1550, 40.0)
     rows = np.arange(len(way))
