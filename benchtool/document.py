@@ -193,16 +193,16 @@ class _Checked(Generic[Model]):
             except ValidationError as failed:
                 new = [each for each in misfits(model, failed) if not found.follows(each[0])]
             wrong += new
-            mended = copy.deepcopy(dict(content))
+            corrected = copy.deepcopy(dict(content))
             for place, detail in sorted(new, key=_later) if len(wrong) <= MOST_REASONS else ():
                 misspelt = is_misspelt(detail)
-                _mend(mended, place, key_meant(model, detail) if misspelt else "")
+                _correct(corrected, place, key_meant(model, detail) if misspelt else "")
                 found = found if misspelt else replace(found, left_out=found.left_out | {place})
             for place in () if new else found.left_out:
-                _fill(mended, place, stand_in)
-            if mended == content:
+                _fill(corrected, place, stand_in)
+            if corrected == content:
                 return found
-            content = mended
+            content = corrected
 
     def follows(self, place: Path_) -> bool:
         """Return whether something is left out at a place or in the table there, so that what is wrong with
@@ -216,7 +216,7 @@ def _later(wrong: tuple[Path_, ErrorDetails]) -> tuple[int, ...]:
     return tuple(-part for part in wrong[0] if isinstance(part, int))
 
 
-def _mend(content: Any, place: Path_, meant: str) -> None:
+def _correct(content: Any, place: Path_, meant: str) -> None:
     """Call what stands at a place as it was `meant`, or take it out of the content."""
     *tables, last = place or ("",)
     for key in tables:

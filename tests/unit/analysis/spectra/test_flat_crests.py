@@ -214,7 +214,7 @@ def test_six_samples_are_at_a_place_and_their_scatter_is_its_error() -> None:
     turns = np.sort(random.uniform(100.0, 120.0, 2400))
     read = np.cos(2 * np.pi * turns) + 1e-3 * random.standard_normal(2400)
     for count, places in ((600, 100), (2400, 240)):
-        even = 0.05 * math.sqrt(1.2) * np.arange(count)
+        even = 0.05 * math.sqrt(1.2) * np.arange(count, dtype=np.float64)
         found = _folded(np.cos(2 * np.pi * even), even)
         assert found is not None
         assert len(found[0]) == places
