@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -28,7 +28,7 @@ Integers = NDArray[np.int64]
 FARTHEST = 1.5  # bins: what is farther away is between the harmonics
 DOF_OF_FLOOR = 40.0  # of a median of some forty squares, at least
 _ILL_FITTED = 1e-3
-_DISTANCES = 241
+_DISTANCES, _OF_TWO = 241, 4  # and of two lines every fourth
 _ON_HARMONIC = 1e-9  # bins
 _KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
 _MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
@@ -58,6 +58,10 @@ class Kernel:
         reach = around.shape[1] // 2
         above, below = around[:, reach + 1 :], np.conj(around[:, :reach][:, ::-1])
         return Kernel(apart, around[:, reach], 0.5 * (above + below), 0.5 * (above - below))
+
+    def every(self, nth: int) -> Kernel:
+        """Return that of every `nth` distance."""
+        return Kernel(self.apart[::nth], self.own[::nth], self.sum[::nth], self.difference[::nth])
 
 
 def _apart(first: float, last: float) -> Floats:
@@ -101,7 +105,8 @@ class LineFit:
     that by noise, along the harmonic; `likely` is the logarithm of their likelihood, and `weighs` with the
     share of all amplitudes before that noise allows. `scale` is by how much the noise is larger than it was
     said to be; `explains` is the logarithm by which fits to other movements are compared, and `excess`, of
-    `dof` degrees of freedom, what the best leaves over what noise does.
+    `dof` degrees of freedom, what the best leaves over what noise does. Where that is too much, `of_two` is
+    what two lines leave uncertain of the harmonic.
     """
 
     movement: Movement
@@ -115,6 +120,7 @@ class LineFit:
     explains: float
     excess: float
     dof: float
+    of_two: float = 0.0
 
     @staticmethod
     def of(movement: Movement, fundamental: float, kernel: Callable[[float, float], Kernel]) -> LineFit:
@@ -163,7 +169,11 @@ class LineFit:
                 dof=dof,
             )
 
-        return likely_fits(fitted, -FARTHEST, FARTHEST)
+        found = likely_fits(fitted, -FARTHEST, FARTHEST)
+        if not found.is_ill:
+            return found
+        of_two = two_lines(movement, kernel(-FARTHEST, FARTHEST).every(_OF_TWO))
+        return replace(found, of_two=abs(movement.harmonic) * of_two)
 
     @property
     def is_ill(self) -> bool:
@@ -184,7 +194,7 @@ class LineFit:
     def line(self, moves: float, by_itself: float) -> LineBeside:
         """Return what there is, on average, of a line, where the probability that the phase moves is `moves`,
         and that it moves by itself `by_itself` times as likely as a line; nothing where none explains the
-        bins, and what it may be is uncertain."""
+        bins, and what two may be is uncertain."""
         share = moves * self._share_of_lines(by_itself)
         weight = np.exp(self.weighs - np.max(self.weighs))
         harmonic = self.movement.harmonic
@@ -195,13 +205,41 @@ class LineFit:
         weight /= max(float(np.sum(weight)), 1e-300)
         mean = complex(weight @ self.makes)
         at = int(np.argmin(np.abs(self.makes - mean)))
-        told = 0.0 if self.is_ill else share
-        toward = np.exp(-1j * np.angle(harmonic - mean))
-        of_line = _standard(((self.makes - told * mean) * toward).real, self.spread, weight)
-        of_none = told * (mean * toward).real
-        standard = math.sqrt(share * of_line**2 + (1.0 - share) * of_none**2)
         place = self.movement.number + float(self.apart[at])
-        return LineBeside(place, told * complex(self.phasors[at]), standard, share)
+        if self.is_ill:
+            return LineBeside(place, 0j, math.sqrt(share) * self.of_two, share)
+        toward = np.exp(-1j * np.angle(harmonic - mean))
+        of_line = _standard(((self.makes - share * mean) * toward).real, self.spread, weight)
+        of_none = share * (mean * toward).real
+        standard = math.sqrt(share * of_line**2 + (1.0 - share) * of_none**2)
+        return LineBeside(place, share * complex(self.phasors[at]), standard, share)
+
+
+def two_lines(movement: Movement, kernel: Kernel) -> float:
+    """Return the standard uncertainty of a harmonic by two lines beside it, which are not taken out, of those
+    at distances of a `kernel` that explain its movement."""
+    by_amplitude, by_phase = movement.of_amplitude2**-0.5, movement.of_phase2**-0.5
+    of_x = np.hstack([by_amplitude * kernel.sum, by_phase * kernel.difference])
+    of_y = 1j * np.hstack([by_amplitude * kernel.difference, by_phase * kernel.sum])
+    basis = np.stack([of_x, of_y], axis=1)
+    basis = np.concatenate([basis.real, basis.imag], axis=2)  # distances, x and y, values
+    moved = np.concatenate([by_amplitude * movement.amplitude, by_phase * movement.phase])
+    moved = np.concatenate([moved.real, moved.imag])
+    one, two = np.triu_indices(len(kernel.apart), k=2)
+    both = np.concatenate([basis[one], basis[two]], axis=1)  # pairs, unknowns, values
+    normal, found = both @ both.transpose(0, 2, 1), both @ moved
+    inverse = np.linalg.inv(normal)
+    unknowns = np.einsum("pij,pj->pi", inverse, found)
+    rest = float(moved @ moved) - np.sum(unknowns * found, axis=1)
+    scale = max(1.0, 2.0 * float(np.min(rest)) / (len(moved) - 6.0))
+    # of any amplitude each, in the logarithm
+    sizes2 = (unknowns[:, 0] ** 2 + unknowns[:, 1] ** 2) * (unknowns[:, 2] ** 2 + unknowns[:, 3] ** 2)
+    likely = -rest / scale - np.log(sizes2) - 0.5 * np.linalg.slogdet(normal)[1]
+    own = np.stack([kernel.own.real, -kernel.own.imag], axis=1)
+    along = np.concatenate([own[one], own[two]], axis=1)
+    spread = np.sqrt(0.5 * scale * np.einsum("pi,pij,pj->p", along, inverse, along))
+    weight = np.exp(likely - np.max(likely))
+    return _standard(np.sum(unknowns * along, axis=1), spread, weight / np.sum(weight))
 
 
 def _standard(values: Floats, spread: Floats, weight: Floats) -> float:
