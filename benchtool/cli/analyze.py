@@ -28,6 +28,8 @@ from benchtool.results import (
     assess_recording,
     assess_table,
     complete_of,
+    cut_short,
+    incomplete,
     is_planned,
     is_table,
     recorded_runs,
@@ -307,9 +309,8 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
         document = result.to_json()
         for remark in stored_remarks(bundle):
             output.warning(remark)
-        if not bundle.complete:
-            failure = str(bundle.manifest.details.get("failure", "its process ended"))
-            output.warning(f"{run} was cut short ({failure}): what came until then was measured")
+        if failure := cut_short(bundle):
+            output.warning(incomplete(run, [("", bundle)]))
             document |= {"complete": False, "failure": failure}
         output.document(document)
         return 0 if result.verdict.met else 1
@@ -317,13 +318,14 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
     if len(runs) > 1:
         raise UsageError(f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}")
     warn_unsealed(output, [case.bundle for case in runs[0].cases])
-    cut_short = [case.name for case in runs[0].cases if not case.bundle.complete]
     result = RunResult(tuple(complete_of(runs, run)), runs[0].repeated)
     show_run(output, str(run), result)
-    if cut_short:
-        output.line(f"left out, cut short: {', '.join(cut_short)}")
-    output.document(result.to_json())
-    return 0 if result.verdict.met and not cut_short else 1
+    document = result.to_json()
+    if failure := runs[0].incomplete:
+        output.warning(failure)
+        document |= {"complete": False, "failure": failure}
+    output.document(document)
+    return 0 if result.verdict.met and not failure else 1
 
 
 def _assessed(bundle: Bundle, selection: Selection) -> tuple[Assessment, ...]:

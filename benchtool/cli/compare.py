@@ -15,7 +15,7 @@ from benchtool.analysis import NOTHING, catalogue, placed, signed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.fitting import named
-from benchtool.cli.output import VERDICT_COLOURS, Output, warn_overdue
+from benchtool.cli.output import VERDICT_COLOURS, Output, warn_incomplete, warn_overdue
 from benchtool.cli.results import show_contradicted, show_disagreements, verdict_text
 from benchtool.cli.side_by_side import Column, show_beside
 from benchtool.errors import UsageError
@@ -70,6 +70,7 @@ def compare(
     found = {
         label: complete_of(of_one, run) for (label, of_one), run in zip(recorded.items(), runs, strict=True)
     }
+    warn_incomplete(output, [each for of_one in recorded.values() for each in of_one])
     repeated = {label: repeated_cases(of_one) for label, of_one in recorded.items()}
     comparisons, alone = compare_cases(found)
     over_repetitions = compare_repeated(repeated)

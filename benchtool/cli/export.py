@@ -12,6 +12,7 @@ from benchtool.analysis import count_of
 from benchtool.cli import options
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.recording import Bundle, Format, export as write
+from benchtool.results import incomplete
 
 
 class _Format(StrEnum):
@@ -38,6 +39,8 @@ def export(
     bundle = Bundle.open(run)
     bundle.require_intact()
     warn_unsealed(output, [bundle])
+    if text := incomplete(run, [("", bundle)]):
+        output.warning(text)
     wanted = Format(format_.value)
     name = stream or next(
         (each for each in ("capture", *bundle.streams) if each in bundle.streams), "telemetry"

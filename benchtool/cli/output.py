@@ -18,7 +18,7 @@ from benchtool.cli.fitting import broken, hanging, widest_name
 
 if TYPE_CHECKING:
     from benchtool.recording import Bundle
-    from benchtool.results import Overdue
+    from benchtool.results import Overdue, RecordedRun
 
 _WIDTH_OF_A_PIPE = 140
 VERDICT_COLOURS = {
@@ -126,6 +126,12 @@ def warn_unsealed(output: Output, bundles: Sequence[Bundle]) -> None:
         output.note(
             f"{without[0].directory}{more}: recorded without hashes, so that damage to the files is not seen"
         )
+
+
+def warn_incomplete(output: Output, runs: Iterable[RecordedRun]) -> None:
+    """Print on standard error which runs did not come to their end, what of them is there, and what to do."""
+    for text in dict.fromkeys(run.incomplete for run in runs if run.incomplete):
+        output.warning(text)
 
 
 def warn_overdue(output: Output, overdue: Iterable[Overdue]) -> None:

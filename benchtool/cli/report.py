@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options, selection as chosen
-from benchtool.cli.output import Output, warn_overdue, warn_unsealed
+from benchtool.cli.output import Output, warn_incomplete, warn_overdue, warn_unsealed
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
 from benchtool.recording import enlist
@@ -72,6 +72,7 @@ def report(
     by_transducer = [by for each in runs if (by := each.verdict_by_transducer) is not None]
     shaft = str(worst(by_transducer)) if by_transducer else None
     output.verdict(str(verdict), shaft, overdue_text(overdue))
+    warn_incomplete(output, runs)
     cases = {
         case_label(each, case): {"verdict": str(case.verdict), "bundle": str(case.bundle.directory)}
         | ({"failure": case.failure} if case.failure else {})

@@ -14,7 +14,7 @@ from benchtool.cli.output import Output
 from benchtool.cli.results import measured
 from benchtool.errors import UsageError
 from benchtool.report import draw_twin
-from benchtool.results import Twin, twins
+from benchtool.results import Twin, incomplete_runs, twins
 
 _FORMATS = (".png", ".svg", ".pdf")
 
@@ -50,6 +50,8 @@ def twin(
     found = tuple(twins(run, stream=stream, delay_ticks=delay_ticks))
     if figure is not None and len(found) > 1:
         raise UsageError(f"{run} has {len(found)} cases, --figure draws one: give the folder of a case")
+    for text in incomplete_runs(run):
+        output.warning(text)
     for each in found:
         _show(output, each)
     if figure is not None:

@@ -39,6 +39,8 @@ def verify(
         f"{found.files} files fit their hashes, {len(found.damaged)} do not; {found.recomputed} results were "
         f"measured again to the bit, {len(found.different)} differ"
     )
+    for text in found.incomplete:
+        output.warning(text)
     verdict = "pass" if found.holds else "fail"
     output.verdict(verdict)
     output.document(
@@ -51,6 +53,7 @@ def verify(
             "different": dict(found.different),
             "not_recomputed": dict(found.not_recomputed),
             "unlisted": list(found.unlisted),
+            "incomplete": list(found.incomplete),
         }
     )
     return 0 if found.holds else 1

@@ -35,6 +35,10 @@ from .differences import (
     Kind as Kind,
     valued as valued,
 )
+from .incomplete import (
+    cut_short as cut_short,
+    incomplete as incomplete,
+)
 from .judged_repetitions import (
     JudgedTogether as JudgedTogether,
 )
@@ -58,6 +62,7 @@ from .runs import (
     RecordedRun as RecordedRun,
     complete_cases as complete_cases,
     complete_of as complete_of,
+    incomplete_runs as incomplete_runs,
     is_planned as is_planned,
     recorded_runs as recorded_runs,
     repeated_cases as repeated_cases,

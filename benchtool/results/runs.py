@@ -23,6 +23,7 @@ from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
+from benchtool.results.incomplete import cut_short, incomplete
 from benchtool.results.recordings import Selection, assess_recording
 from benchtool.results.repetitions import Repeated, over_repetitions
 from benchtool.results.run_result import RunResult
@@ -101,6 +102,12 @@ class RecordedRun:
         return () if len(planned) == 1 else tuple(case.name for case in planned if case.name not in there)
 
     @cached_property
+    def incomplete(self) -> str:
+        """What of the run is there and what to do, where it did not come to its end; empty where it did."""
+        of_bundle = {case.bundle.directory: (case.name, case.bundle) for case in self.cases}
+        return incomplete(self.folder, tuple(of_bundle.values()), () if self.lone else self.missing)
+
+    @cached_property
     def result(self) -> RunResult:
         """What its measured cases come to, as when the run was made."""
         return RunResult(tuple(case.assessment for case in self.cases if case.assessment), self.repeated)
@@ -160,6 +167,31 @@ def recorded_bundles(folder: Path) -> tuple[Bundle, ...]:
     return found
 
 
+def incomplete_runs(folder: Path) -> tuple[str, ...]:
+    """Return what is said of each run in a folder that did not come to its end; nothing is measured.
+
+    Raises: as `recorded_bundles`.
+    """
+    bundles = recorded_bundles(folder)
+    lone = bundles[0].directory == folder
+    groups: dict[tuple[Path, str], list[Bundle]] = {}
+    for bundle in bundles:
+        groups.setdefault((bundle.directory.parent, bundle.manifest.what), []).append(bundle)
+    runs = (
+        RecordedRun("", folder if lone else place, tuple(_unmeasured(each) for each in members), lone)
+        for (place, _), members in groups.items()
+    )
+    return tuple(run.incomplete for run in runs if run.incomplete)
+
+
+def _unmeasured(bundle: Bundle) -> RecordedCase:
+    return RecordedCase(_case_name(bundle), bundle, None, cut_short(bundle))
+
+
+def _case_name(bundle: Bundle) -> str:
+    return str(bundle.manifest.details.get("case", bundle.directory.name))
+
+
 def complete_cases(folder: Path, selection: Selection | None = None) -> list[Assessment]:
     """Return every case of a run that was finished, measured again; of a recording, what came of it.
 
@@ -178,7 +210,7 @@ def complete_of(runs: Sequence[RecordedRun], folder: Path) -> list[Assessment]:
     recorded = [case for run in runs for case in run.cases]
     found = [case for case in recorded if case.bundle.complete or (case.assessment and not case.planned)]
     if not found:
-        raise RecordingError(f"{folder} holds no complete run bundle: give the folder of a run")
+        raise RecordingError("; ".join(run.incomplete for run in runs))
     return [case.assessment or _measured_before(case) for case in found]
 
 
@@ -233,10 +265,10 @@ def _cases(
     """Return the case of a bundle, or the regimes of a recording as one each, of `several` by the bundle's
     name."""
     details = bundle.manifest.details
-    name = str(details.get("case", bundle.directory.name))
+    name = _case_name(bundle)
     failure = str(details.get("failure", ""))
     if not failure and not bundle.complete:
-        failure = "the run was cut short before it ended"
+        failure = f"the run was cut short before it ended: {cut_short(bundle)}"
     try:
         found = _assessments(bundle, selection)
         if several:

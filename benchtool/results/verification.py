@@ -14,7 +14,8 @@ from benchtool.errors import AnalysisError, RecordingError
 from benchtool.recording import HASHES, MANIFEST, Bundle, bundles_in, verify
 from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
-from benchtool.results.runs import is_planned
+from benchtool.results.incomplete import cut_short
+from benchtool.results.runs import incomplete_runs, is_planned
 from benchtool.results.sessions import SESSION, differing_verdicts, read_session
 from benchtool.results.tables import assess_table_again, is_measurable
 
@@ -28,7 +29,7 @@ class Verification:
     `damaged` files differ from their hashes, or have none that could be read; `different` results, by bundle
     and name, are not what the raw data give. `recomputed` counts the results that were measured again to the
     bit, and `files` those that fit their hashes. `not_recomputed` says of a bundle why its results were not.
-    `unlisted` files have no hash.
+    `unlisted` files have no hash. `incomplete` says of the runs that did not come to their end what is there.
     """
 
     folder: Path
@@ -39,6 +40,7 @@ class Verification:
     not_recomputed: Mapping[str, str]
     unlisted: tuple[str, ...]
     sealed: bool
+    incomplete: tuple[str, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -76,6 +78,9 @@ def verify_run(place: Path) -> Verification:
         name = directory.relative_to(folder).as_posix()
         try:
             bundle = Bundle.open(directory)
+            if not bundle.complete and not bundle.measurements:
+                not_recomputed[name] = f"it was cut short ({cut_short(bundle)}), and has no results"
+                continue
             if is_planned(bundle) and "capture" in bundle.streams:
                 found = assess_bundle(bundle)
             elif is_measurable(bundle):
@@ -96,8 +101,17 @@ def verify_run(place: Path) -> Verification:
             with_ = "" if by == __version__ else f" (recorded with benchtool {by}, this is {__version__})"
             different[key if name == "." else f"{name}: {key}"] = f"{_difference(stored, fresh, key)}{with_}"
     checked = integrity.compared - len(damaged)
+    unfinished = integrity.has_bundles and not (folder / SESSION).is_file() and not damaged
     return Verification(
-        folder, checked, recomputed, damaged, different, not_recomputed, integrity.unlisted, integrity.sealed
+        folder,
+        checked,
+        recomputed,
+        damaged,
+        different,
+        not_recomputed,
+        integrity.unlisted,
+        integrity.sealed,
+        incomplete_runs(folder) if unfinished else (),
     )
 
 

@@ -380,3 +380,5 @@ class Verified(Document):
     """Bundles whose results were not measured again, with the reason."""
     unlisted: list[str]
     """Files without a hash."""
+    incomplete: list[str]
+    """Of runs that did not come to their end: what is there, and what to do."""
