@@ -8,7 +8,7 @@ from pathlib import Path
 from benchtool.api.bundles import Bundle, open_bundle
 from benchtool.api.connection import Connection
 from benchtool.api.drive import require_duration
-from benchtool.recording import BundleWriter, EventFile
+from benchtool.recording import BundleWriter, EventFile, require_empty
 from benchtool.run import bundle_folder, recording
 
 
@@ -26,6 +26,8 @@ def record(
     require_duration(duration_s)
     when = datetime.now().astimezone()
     place = None if out is None else Path(out)
+    if place is not None:
+        require_empty(place)
     with connection.use() as session, bundle_folder(place, when, "record") as folder:
         names, manifest = recording.prepared(
             session, channels, rate_Hz, when=when, link=connection.link, seed=seed, note=note

@@ -19,7 +19,7 @@ from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.results import show_run
 from benchtool.cli.tables import columns_of, keep_table, require_time, show_table, stated_sensors
 from benchtool.errors import UsageError
-from benchtool.recording import Bundle, Conditions
+from benchtool.recording import Bundle, Conditions, require_empty
 from benchtool.results import (
     Assessment,
     RunResult,
@@ -235,6 +235,8 @@ def analyze(
         )
     phases = dict(zip(PHASES, currents, strict=False))
     columns = phases | {"torque": torque, "angle": angle, "speed": speed}
+    if out is not None:
+        require_empty(out)  # before the table is measured
     answer = analyze_table(
         TableQuestion(
             file=csv,

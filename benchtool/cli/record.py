@@ -17,7 +17,7 @@ from benchtool.cli.conditions import conditions
 from benchtool.cli.exit_codes import ended_by_hand
 from benchtool.cli.output import Output, warn_overdue
 from benchtool.cli.progress import RecordingLine
-from benchtool.recording import BundleWriter, EventFile
+from benchtool.recording import BundleWriter, EventFile, require_empty
 from benchtool.results import Calibration
 from benchtool.run import Ended, Recording, bundle_folder, prepared, record as keep
 from benchtool.telemetry import FrameLog
@@ -70,6 +70,8 @@ def record(
     emulated drive is paced by the wall clock.
     """
     output = Output(as_json=as_json)
+    if out is not None:
+        require_empty(out)  # before a drive is opened
     stated = conditions(operator, serial_number, temperature, instrument or ())
     when = options.wall_time()
     log = FrameLog() if frames else None

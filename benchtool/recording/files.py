@@ -68,6 +68,23 @@ def require_free(path: Path) -> None:
         )
 
 
+def require_empty(directory: Path) -> None:
+    """Refuse a directory that a run cannot have to itself.
+
+    Raises:
+        RecordingError: it has content, or cannot be read.
+    """
+    if directory.is_file():
+        raise RecordingError(
+            f"cannot write {directory}: it is a file, and a run needs a directory: choose another name"
+        )
+    with writing(directory):
+        if directory.is_dir() and any(directory.iterdir()):
+            raise RecordingError(
+                f"{directory} has content, a run is recorded into a directory of its own: choose another name"
+            )
+
+
 def require_own(path: Path, mark: bytes) -> None:
     """Refuse to replace a file that does not contain `mark`.
 

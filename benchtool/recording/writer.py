@@ -13,6 +13,7 @@ from benchtool.block import Block
 from benchtool.errors import RecordingError
 from benchtool.recording.checkpoints import Checkpoints
 from benchtool.recording.failures import writing
+from benchtool.recording.files import require_empty
 from benchtool.recording.integrity import files_of
 from benchtool.recording.manifest import (
     CERTIFICATE,
@@ -50,12 +51,8 @@ class BundleWriter:
         self._streams: dict[str, StreamWriter] = {}
         self._checkpoints = Checkpoints(directory)
         self._open = True
+        require_empty(directory)
         with writing(directory):
-            if directory.is_dir() and any(directory.iterdir()):
-                raise RecordingError(
-                    f"{directory} has content, a run is recorded into a directory of its own: choose "
-                    f"another name"
-                )
             (directory / DATA).mkdir(parents=True)
         write_manifest(directory, manifest)
 

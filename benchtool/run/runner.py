@@ -24,6 +24,7 @@ from benchtool.recording import (
     EventFile,
     Level,
     Manifest,
+    require_empty,
 )
 from benchtool.results import (
     Assessment,
@@ -126,6 +127,9 @@ def run_cases(
     provenance = Provenance(plan, info.link, info.seed, info.profile_toml)
     if resume:
         require_same_provenance(folder, provenance)
+    else:
+        for case in todo:
+            require_empty(case_folder(plan, case, folder))
     for number, case in enumerate(todo, start=1):
         progress.begin(case.name, number, len(todo))
         place = case_folder(plan, case, folder)

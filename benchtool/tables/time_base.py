@@ -218,6 +218,8 @@ def _on_a_line(
     else:
         step_s, standard_s = allowed.slope, allowed.standard
     jitter_s = float(np.sqrt(np.mean((about - step_s * number) ** 2)))
+    if jitter_s <= rounding_s:  # of doubles
+        jitter_s = 0.0
     return TimeBase(
         begin_s=float(time_s.mean() - step_s * tick.mean()),
         step_s=step_s,

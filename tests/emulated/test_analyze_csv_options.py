@@ -148,3 +148,13 @@ def test_a_step_in_rows_with_a_gap_has_a_reason(invoke: Invoke) -> None:
     assert "'ref [mNm]' holds 1 over" in case["measurements"]["rise_time"]["reason"]
     (remark,) = case["remarks"]
     assert remark["text"].startswith("3 rows are missing in 1 place: measured is the longest stretch")
+
+
+@pytest.mark.parametrize("taken", ["kept", "x.csv"])
+def test_a_place_that_is_taken_is_refused_before_anything_is_measured(invoke: Invoke, taken: str) -> None:
+    """The whole table was printed before."""
+    Path("kept").mkdir()
+    (Path("kept") / "thesis.txt").touch()
+    refused = invoke(*TABLE, "--current", "Id", "--ac", "--out", taken)
+    assert (refused.exit_code, refused.stdout) == (3, "")
+    assert {"kept": "kept has content", "x.csv": "cannot write x.csv: it is a file"}[taken] in refused.stderr

@@ -258,9 +258,9 @@ def _refused(found: Sequence[RecordedCase]) -> Iterator[str]:
     alike: dict[tuple[str, ...], list[str]] = {}
     for title, told in reasons.items():
         alike.setdefault(tuple(told), []).append(title)
-    for those, titles in alike.items():
-        more = "" if len(found) == 1 else f" ({len(those)} of {len(found)} cases)"
-        yield f"Not measured: {', '.join(titles)}: {those[0]}{more}"
+    for of_cases, titles in alike.items():
+        more = "" if len(found) == 1 else f" ({len(of_cases)} of {len(found)} cases)"
+        yield f"Not measured: {', '.join(titles)}: {of_cases[0]}{more}"
 
 
 def _waived(run: RecordedRun) -> Iterator[tuple[str, ...]]:
