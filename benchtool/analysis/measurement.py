@@ -114,7 +114,8 @@ class Measurement:
     `value` is nan where the quantity is undefined, and `reason` says why. `uncertainty` is None where the
     data give none. `repeatability` is by how much the value of another record of the same state differs
     besides (JCGM 200:2012, 2.21): of a mean over this record alone the uncertainty does not hold it.
-    `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value.
+    `uncertainty_reason` says why a value has no uncertainty. `correction` is in the value. `below` is what an
+    amplitude without a value is less than, as it does not stand out of the noise.
     `in_common_band` is what a number by the drive's estimate is in the band of a slower torque transducer,
     which ends at its `basis.bandwidth_Hz`. `sensitivities` are to the errors of sensors, and `of_sensors`
     what these come to where the data give no uncertainty; `unresolved` is what stated resolutions make whole.
@@ -132,6 +133,7 @@ class Measurement:
     in_common_band: Measurement | None = None
     uncertainty_reason: str = ""
     correction: Correction | None = None
+    below: float | None = None
     sensitivities: Sensitivities = field(default=MEASURED_AGAIN, compare=False, repr=False)
     of_sensors: tuple[Contribution, ...] = field(default=(), compare=False, repr=False)
     unresolved: Unresolved | None = field(default=None, compare=False, repr=False)
@@ -185,9 +187,16 @@ class Measurement:
         return cls(name, math.nan, unit, definition, basis or Basis(), reason=reason)
 
     @property
+    def text(self) -> str:
+        """The value with its expanded uncertainty for 95 %, `0.0501 ± 0.0016`, or what it is less than."""
+        if self.below is not None and not math.isfinite(self.value):
+            return f"< {number(self.below, 2)}"
+        return with_expanded(self.value, self.uncertainty)
+
+    @property
     def in_unit(self) -> str:
-        """The value with its expanded uncertainty for 95 % and its unit, `0.0501 ± 0.0016 Nm`."""
-        return with_unit(with_expanded(self.value, self.uncertainty), self.unit)
+        """The same with its unit, `0.0501 ± 0.0016 Nm`."""
+        return with_unit(self.text, self.unit)
 
     def __str__(self) -> str:
         """Return the same, and why it has no value or no uncertainty."""
@@ -230,6 +239,8 @@ class Measurement:
             document["repeatability"] = self.repeatability.to_json()
         if self.correction is not None:
             document["correction"] = {"added": _finite(self.correction.added), "of": self.correction.of}
+        if self.below is not None:
+            document["below"] = _finite(self.below)
         return document
 
 
@@ -351,6 +362,7 @@ def tables_from_json(document: Mapping[str, Any]) -> tuple[Table, ...]:
 
 _BASIS = TypeAdapter(Basis)
 _CORRECTION = TypeAdapter(Correction | None)
+_BELOW = TypeAdapter(float | None)
 _OF_A_BUNDLE = "; undefined here: "  # what older bundles have between definition and reason
 
 
@@ -416,6 +428,7 @@ def _measurement(name: str, entry: Any) -> Measurement:
                 further = entry.get("repeatability")
                 repeatability = None if further is None else _Contribution.model_validate(further).read()
                 correction = _CORRECTION.validate_python(entry.get("correction"))
+                below = _BELOW.validate_python(entry.get("below"))
             except ValidationError:
                 pass
             else:
@@ -431,6 +444,7 @@ def _measurement(name: str, entry: Any) -> Measurement:
                         repeatability,
                         uncertainty_reason=of_none,
                         correction=correction,
+                        below=below,
                     )
     raise AnalysisError(
         f"measurement '{name}' is {entry!r:.80}: expected value (number or null), unit and definition "

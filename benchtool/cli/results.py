@@ -39,8 +39,8 @@ _MOST_NAMED = 4
 
 
 def measured(measurement: Measurement) -> str:
-    """Return its value with its expanded uncertainty for 95 %, if it has one."""
-    return with_expanded(measurement.value, measurement.uncertainty)
+    """Return its value with its expanded uncertainty for 95 %, if it has one, or what it is less than."""
+    return measurement.text
 
 
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:

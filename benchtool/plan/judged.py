@@ -48,6 +48,8 @@ class JudgedLimit:
         """How the limit is met; what was not measured fails."""
         if self.measured is None:
             return Verdict.FAIL
+        if self.measured.below is not None and not math.isfinite(self.measured.value):
+            return self.limit.judge_below(self.measured.below)
         return self.limit.judge(self.measured.value, self.measured.uncertainty)
 
     @property
@@ -122,7 +124,10 @@ class JudgedLimit:
         if measured is None:
             return f"was not measured, {self.bounds} is asked for"
         if not math.isfinite(measured.value):
-            return f"is undefined ({measured.reason or measured.definition}), {self.bounds} is asked for"
+            why = measured.reason or measured.definition
+            if measured.below is not None:
+                why = f"{why}, and one of {with_unit(number(measured.below, 2), measured.unit)} would"
+            return f"is undefined ({why}), {self.bounds} is asked for"
         value = f"is {measured.in_unit}"
         if self.verdict is Verdict.MARGINAL:
             return f"{value}, within {with_unit(raw(limit.margin), measured.unit)} of its limit {self.bounds}"

@@ -132,6 +132,16 @@ class Limit(Section):
             return Verdict.FAIL
         return Verdict.MARGINAL if room < self.margin else Verdict.PASS
 
+    def judge_below(self, below: float) -> Verdict:
+        """Return the verdict on an amplitude of which no more is known than that it is less: an upper bound
+        is met as far as that is below it, and none of a least amplitude."""
+        if self.min is not None and self.min > 0.0:
+            return Verdict.FAIL if below < self.min else Verdict.UNDECIDED
+        room = math.inf if self.max is None else self.max - below
+        if not room > 0.0:
+            return Verdict.UNDECIDED
+        return Verdict.MARGINAL if self.margin != "U" and room < self.margin else Verdict.PASS
+
     def counted(self, verdict: Verdict) -> Verdict:
         """Return a verdict on this limit as it counts for the whole: none where it is not met, and waived."""
         return Verdict.NONE if self.waived is not None and not verdict.met else verdict

@@ -200,7 +200,7 @@ def _table(table: Table) -> Iterator[Item]:
 
 
 def _value(measured: Measurement) -> str:
-    return with_expanded(measured.value, measured.uncertainty)
+    return measured.text
 
 
 def measurement_notes(measured: Measurement) -> Iterator[str]:

@@ -115,7 +115,9 @@ def worst_of(limit: Limit, found: Sequence[Measurement], count: int) -> Measurem
     """Return the worst of `count` repetitions by a limit; undefined if one of them has no value."""
     definition = f"worst of {count} repetitions"
     if lacking := without_value(found, count):
-        return Measurement.undefined(found[0].name, found[0].unit, definition, lacking)
+        bounds = bounds_of(found, count)
+        undefined = Measurement.undefined(found[0].name, found[0].unit, definition, lacking)
+        return undefined if bounds is None else replace(undefined, below=max(bounds))
     order = list(Verdict)
 
     def merit(each: Measurement) -> tuple[int, float]:
@@ -124,6 +126,19 @@ def worst_of(limit: Limit, found: Sequence[Measurement], count: int) -> Measurem
         return -order.index(limit.judge(each.value, each.uncertainty)), limit.headroom(each.value)
 
     return replace(min(found, key=merit), definition=definition)
+
+
+def bounds_of(found: Sequence[Measurement], count: int) -> list[float] | None:
+    """Return what each of `count` repetitions is less than, by its uncertainty or as no line stands out of
+    its noise; None where one of them tells neither."""
+    told = [
+        each.value + (0.0 if each.uncertainty is None else each.uncertainty.expanded)
+        if math.isfinite(each.value)
+        else each.below
+        for each in found
+    ]
+    known = [each for each in told if each is not None]
+    return known if len(known) == count else None
 
 
 def without_value(found: Sequence[Measurement], count: int) -> str:

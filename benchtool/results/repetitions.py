@@ -26,6 +26,7 @@ from benchtool.plan import Limit, Plan, cases
 from benchtool.results.agreement import disagreements, transducer_name
 from benchtool.results.judged_repetitions import (
     JudgedTogether,
+    bounds_of,
     limits_together,
     without_value,
     worst_of,
@@ -297,7 +298,9 @@ def _judged_mean(found: Sequence[Measurement], count: int) -> Measurement:
     mean = _mean_of(found[0].name, found).measured
     definition = f"mean of {count} repetitions"
     if lacking := without_value(found, count):
-        return Measurement.undefined(mean.name, mean.unit, definition, lacking)
+        bounds = bounds_of(found, count)
+        undefined = Measurement.undefined(mean.name, mean.unit, definition, lacking)
+        return undefined if bounds is None else replace(undefined, below=float(np.mean(bounds)))
     return replace(mean, definition=definition, in_common_band=_mean_in_band(found, mean))
 
 

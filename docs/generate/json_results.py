@@ -140,6 +140,8 @@ class Measurement(Document):
     """By how much the value of another record of the same state differs besides."""
     correction: Correction | None = None
     """What was added to the value as it was read, for a known effect of a sensor."""
+    below: float | None = None
+    """What an amplitude without a value is less than."""
 
 
 class Column(Document):

@@ -48,6 +48,7 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
+_NONE = "no line stands out of the noise"
 _NEARLY, _HALF = 0.9, 0.5  # of an amplitude
 _MOST_PLACES, _WHOLE = 1 << 16, 0.1
 
@@ -107,13 +108,15 @@ def spectral_lines(
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
-        reason = clipped or drifts or "no line stands out of the noise"
+        reason = clipped or drifts or _NONE
         if count < _FEWEST:
             reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
-        undefined = (
+        frequency, amplitude = (
             Measurement.undefined(f"{name}_line_{key}", of, text, reason, basis) for key, of, text in texts
         )
-        return SpectralLines(tuple(undefined), (_table(name, (), channel, unit, what, basis),))
+        if reason == _NONE:
+            amplitude = replace(amplitude, below=_least_that_stands_out(bins))
+        return SpectralLines((frequency, amplitude), (_table(name, (), channel, unit, what, basis),))
     listed = tuple(
         (
             each.place * width_Hz,
@@ -216,6 +219,18 @@ def _drifts(bins: Complexes, rows: Sequence[Line], unit: str, width_Hz: float) -
         f"a line of about {size} drifts around {raw(line.place * width_Hz, 4)} Hz, over so many bins that it "
         f"stands out of none: choose a window of steady speed, or record an angle"
     )
+
+
+def _least_that_stands_out(bins: Complexes) -> float:
+    """Return the amplitude that no line of bins has in which none stands out: that of the greatest bin
+    halfway between two, with the noise there."""
+    size = np.abs(bins)
+    places = _peaks(size)
+    if not len(places):
+        return float(np.max(size)) / _LEAST_RESPONSE
+    greatest = int(places[np.argmax(size[places])])
+    noise = surrounded(bins, size, greatest).noise
+    return max(float(size[greatest]) + _APART * noise, _STANDS_OUT * noise) / _LEAST_RESPONSE
 
 
 def _windowed(samples: Floats) -> Complexes:

@@ -25,6 +25,7 @@ def test_measurements_survive_json() -> None:
     written = (
         Measurement("torque_ripple_pp", 0.06, "Nm", "maximum minus minimum"),
         Measurement("torque_mean", -0.65, "Nm", "mean"),
+        Measurement("torque_line_amplitude", 0.1, "Nm", "line", below=0.2),
     )
 
     document = json.loads(json.dumps(measurements_to_json(written), allow_nan=False))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -262,3 +263,28 @@ def test_a_limit_is_a_table_or_one_already() -> None:
     assert Limit.model_validate(limit) is limit
     with pytest.raises(ValidationError, match="dictionary or instance of Limit"):
         Limit.model_validate("at most 2")
+
+
+@pytest.mark.parametrize(
+    ("limit", "verdict"),
+    [
+        (Limit(max=2.0), Verdict.PASS),
+        (Limit(max=2.0, margin="U"), Verdict.PASS),
+        (Limit(max=2.0, margin=0.5), Verdict.PASS),
+        (Limit(max=2.0, margin=1.5), Verdict.MARGINAL),
+        (Limit(max=0.9), Verdict.UNDECIDED),
+        (Limit(min=0.0, max=2.0), Verdict.PASS),  # of an amplitude
+        (Limit(min=0.5), Verdict.UNDECIDED),
+        (Limit(min=1.5), Verdict.FAIL),
+    ],
+)
+def test_a_line_that_does_not_stand_out_is_judged_by_the_noise_that_hides_it(
+    limit: Limit, verdict: Verdict
+) -> None:
+    """It failed any limit, also one ten times above the noise."""
+    hidden = replace(Measurement.undefined("x", "Nm", "", "no line stands out of the noise"), below=1.0)
+    held = JudgedLimit.of("x", limit, hidden)
+    assert held.verdict is verdict
+    assert hidden.in_unit == "< 1 Nm"
+    if verdict is Verdict.UNDECIDED:
+        assert "no line stands out of the noise, and one of 1 Nm would), " in str(held.missed)

@@ -448,3 +448,27 @@ def test_the_mean_has_the_sensors_of_repetitions_without_an_uncertainty_from_the
     unknown = _three(1.0, 1.1, 1.3, of_sensors=(gain, lag))
     assert unknown.uncertainty is None
     assert unknown.uncertainty_reason == "not known of its sensors: bandwidth of 100 Hz"
+
+
+@pytest.mark.parametrize(
+    ("judge", "bounds", "verdict"),
+    [
+        ("mean", (1.0, 2.0), Verdict.PASS),
+        ("worst", (1.0, 2.0), Verdict.UNDECIDED),
+        ("worst", (1.0, 1.5), Verdict.PASS),
+        ("mean", (1.0, None), Verdict.FAIL),
+    ],
+)
+def test_repetitions_without_a_line_are_judged_by_the_noise_that_hides_it(
+    judge: str, bounds: tuple[float | None, ...], verdict: Verdict
+) -> None:
+    plan = _plan(2).model_copy(
+        update={"judge": judge, "limits": {"torque_mean": Limit(max=1.8)}, "sweep": Sweep()}
+    )
+    hidden = Measurement.undefined("torque_mean", "Nm", "", "no line stands out of the noise")
+    measured = {
+        case.name: (replace(hidden, below=below),) for case, below in zip(cases(plan), bounds, strict=True)
+    }
+    ((together,),) = over_repetitions(plan, measured).values()
+    assert together.judged is not None
+    assert together.judged.verdict is verdict

@@ -67,6 +67,25 @@ def test_noise_has_no_lines() -> None:
         )
 
 
+def test_a_line_of_what_none_is_said_to_have_stands_out() -> None:
+    """And the bound is not many times what would."""
+    below = [
+        each.below
+        for seed in range(20)
+        for each in spectral_lines(torque(noise=0.1, seed=seed), "torque").measurements[1:]
+    ]
+    bound = max(each for each in below if each is not None)
+    assert len(below) == 20
+    for frequency_Hz in (33.3, 240.17, 1200.5):
+        for seed in range(8):
+            (_, amplitude) = spectral_lines(
+                torque((frequency_Hz, bound), noise=0.1, seed=seed), "torque"
+            ).measurements
+            assert np.isfinite(amplitude.value)
+    (_, amplitude) = spectral_lines(torque((240.0, 0.4 * bound), noise=0.1), "torque").measurements
+    assert np.isnan(amplitude.value)
+
+
 def test_red_noise_has_no_lines_either() -> None:
     found = 0
     for seed in range(40):
