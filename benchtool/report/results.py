@@ -29,12 +29,16 @@ from benchtool.results import Delta
 _SHOWN_ROWS = 10
 _MOST_PERCENT = 1000.0  # of a bound: more tells less than the distance itself
 _ALIKE = 0.005  # relative: standard uncertainties that are the same to two digits
-_OF_BUDGETS: Final = (
+_BY_STUDENT: Final = (
     "U = t s: s is the experimental standard uncertainty and t Student's factor of the effective degrees of "
-    "freedom (JCGM 100:2008, G.4.1). Without t, U is half of the interval of a derived distribution.",
-    "u is the standard deviation, which is larger than s where few observations tell it: "
-    "s sqrt(dof / (dof − 2)) of type A (JCGM 101:2008, 6.4.9.4), so that ±2u holds about 95 % too; k = U/u.",
+    "freedom (JCGM 100:2008, G.4.1)."
 )
+_DERIVED: Final = "Without t, U is half of the interval of a derived distribution."
+_OF_FEW: Final = (
+    "u is the standard deviation, and s where many observations tell it. Where few do, it is larger: "
+    "s sqrt(dof / (dof − 2)) of type A (JCGM 101:2008, 6.4.9.4), so that ±2u holds about 95 % too; k = U/u."
+)
+_OF_MANY: Final = "u = s, the standard uncertainty; k = U/u."
 _MARKS: Final[Mapping[Verdict, Mark]] = {
     Verdict.NONE: "none",
     Verdict.PASS: "pass",
@@ -165,8 +169,19 @@ def budgets_section(measurements: Sequence[Measurement]) -> Section | None:
     )
     if not rows:
         return None
-    notes = [Text(each, "note") for each in _OF_BUDGETS]
+    notes = [Text(each, "note") for each in _budget_notes(measurements)]
     return Section("Uncertainty budgets", (Grid.of(headings, rows, shown=_SHOWN_ROWS), *notes))
+
+
+def _budget_notes(measurements: Sequence[Measurement]) -> Iterator[str]:
+    """Yield how U and u come about, as far as it is so of one of the numbers."""
+    known = [each.uncertainty for each in measurements if each.uncertainty and math.isfinite(each.value)]
+    by_student = [each.student_factor is not None for each in known]
+    yield " ".join(
+        text for text, told in ((_BY_STUDENT, any(by_student)), (_DERIVED, not all(by_student))) if told
+    )
+    alike = all(math.isclose(each.experimental, each.standard, rel_tol=_ALIKE) for each in known)
+    yield _OF_MANY if alike else _OF_FEW
 
 
 def _whole(known: Uncertainty, unit: str) -> tuple[str, ...]:

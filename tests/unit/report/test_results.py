@@ -10,7 +10,8 @@ from benchtool.analysis.measurement import Basis, Correction, Measurement
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.plan import Verdict
 from benchtool.report.assembly.front import banner
-from benchtool.report.results import basis_text, measurement_notes
+from benchtool.report.content import Text
+from benchtool.report.results import basis_text, budgets_section, measurement_notes
 
 
 @pytest.mark.parametrize(
@@ -67,3 +68,30 @@ def test_samples_are_whole(basis: Basis, told: str) -> None:
 def test_the_summary_counts_what_is_met_first(verdicts: tuple[str, ...], told: str) -> None:
     found = banner(Verdict.FAIL, Verdict.NONE, [], [Verdict(each) for each in verdicts])
     assert found.summary == told
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "said", "not_said"),
+    [
+        (Uncertainty(0.1, "noise"), ("U = t s", "u = s"), ("Where few do", "Without t")),
+        (
+            Uncertainty(0.1, "an extreme", half_width=0.2),
+            ("Without t, U is half", "u = s"),
+            ("U = t s", "Where few do"),
+        ),
+        (
+            combined([Contribution("a", "A", 0.2 * math.sqrt(2.0), 4.0, of_student=True)], "few values"),
+            ("U = t s", "Where few do, it is larger"),
+            ("Without t", "u = s, the standard"),
+        ),
+    ],
+)
+def test_notes_below_budgets_are_those_of_the_numbers_there(
+    uncertainty: Uncertainty, said: tuple[str, ...], not_said: tuple[str, ...]
+) -> None:
+    """That u is larger than s stood below a peak-to-peak value of which it is not."""
+    section = budgets_section([Measurement("x", 1.0, "Nm", "", uncertainty=uncertainty)])
+    assert section is not None
+    notes = " ".join(item.text for item in section.items if isinstance(item, Text))
+    assert all(each in notes for each in said)
+    assert not any(each in notes for each in not_said)
