@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich.cells import cell_len
 
@@ -39,14 +40,23 @@ def widest_name(columns: Sequence[str], rows: Sequence[Sequence[str]], width: in
 
 
 def broken(name: str, width: int) -> str:
-    """Return a name in lines of at most `width` cells, broken after underscores or blanks; a longer part of
-    it stays whole."""
+    """Return a name in lines of at most `width` cells, broken after commas or blanks and, where what is
+    between them is wider, after underscores; a longer part of it stays whole."""
     lines = [""]
-    for part in name.replace("_", "_\n").replace(" ", " \n").split("\n"):
+    for part in _parts(name, width):
         if lines[-1] and cell_len(lines[-1]) + cell_len(part.rstrip()) > width:
             lines.append("")
         lines[-1] += part
     return "\n".join(line.rstrip() for line in lines)
+
+
+def _parts(name: str, width: int) -> Iterator[str]:
+    """Yield the parts of a name that a line may end with."""
+    for piece in re.split("(?<=[, ])", name):
+        if cell_len(piece.rstrip()) <= width:
+            yield piece
+        else:
+            yield from re.split("(?<=_)", piece)
 
 
 def hanging(lead: str, text: str, width: int) -> str:

@@ -30,6 +30,15 @@ def test_a_name_is_broken_after_underscores() -> None:
     ]
 
 
+def test_the_name_of_a_case_is_broken_between_its_coordinates() -> None:
+    """It was broken within one: `tpc_stator,omega_m_` and `rad_s=15.71`."""
+    assert broken("tpc_stator,omega_m_rad_s=15.71", 24).split("\n") == ["tpc_stator,", "omega_m_rad_s=15.71"]
+    assert broken("foc,emulator_inverter_dead_time_s=1e-06", 24).split("\n") == [
+        "foc,emulator_inverter_",
+        "dead_time_s=1e-06",
+    ]
+
+
 @given(st.from_regex(r"[a-z]{1,12}(_[a-z]{1,12}){0,6}", fullmatch=True), st.integers(12, 40))
 def test_a_broken_name_loses_nothing_and_fits(name: str, width: int) -> None:
     lines = broken(name, width).split("\n")
