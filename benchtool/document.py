@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import difflib
 import itertools
 import json
@@ -193,16 +192,15 @@ class _Checked(Generic[Model]):
             except ValidationError as failed:
                 new = [each for each in misfits(model, failed) if not found.follows(each[0])]
             wrong += new
-            corrected = copy.deepcopy(dict(content))
+            before = content
             for place, detail in sorted(new, key=_later) if len(wrong) <= MOST_REASONS else ():
                 misspelt = is_misspelt(detail)
-                _correct(corrected, place, key_meant(model, detail) if misspelt else "")
+                content = _corrected(content, place, key_meant(model, detail) if misspelt else "")
                 found = found if misspelt else replace(found, left_out=found.left_out | {place})
             for place in () if new else found.left_out:
-                _fill(corrected, place, stand_in)
-            if corrected == content:
+                content = _filled(content, place, stand_in)
+            if content is before:
                 return found
-            content = corrected
 
     def follows(self, place: Path_) -> bool:
         """Return whether something is left out at a place or in the table there, so that what is wrong with
@@ -216,20 +214,40 @@ def _later(wrong: tuple[Path_, ErrorDetails]) -> tuple[int, ...]:
     return tuple(-part for part in wrong[0] if isinstance(part, int))
 
 
-def _correct(content: Any, place: Path_, meant: str) -> None:
-    """Call what stands at a place as it was `meant`, or take it out of the content."""
-    *tables, last = place or ("",)
-    for key in tables:
-        try:
-            content = content[key]
-        except (KeyError, IndexError, TypeError):  # a place that the document has in another form
-            return
-    if isinstance(content, dict) and last in content:
-        value = content.pop(last)
+def _corrected(content: Any, place: Path_, meant: str) -> Any:
+    """Return content in which what stands at a place is called as it was `meant`, or is left out; the content
+    itself where nothing stands there."""
+    if not place or not isinstance(content, dict | list):
+        return content
+    first, *rest = place
+    try:
+        inner = content[first]  # type: ignore[index] # a place may be that of another form
+    except (KeyError, IndexError, TypeError):
+        return content
+    within = _corrected(inner, tuple(rest), meant)
+    if rest and within is inner:
+        return content
+    changed: Any = content.copy()
+    if rest:
+        changed[first] = within
+    else:
+        del changed[first]
         if meant:
-            content.setdefault(meant, value)
-    elif isinstance(content, list) and isinstance(last, int) and last < len(content):
-        content.pop(last)
+            changed.setdefault(meant, inner)
+    return changed
+
+
+def _filled(content: Any, place: Path_, stand_in: Any) -> Any:
+    """Return content with the value that `stand_in` has at a place; the content itself where it has one, or
+    that has none."""
+    if not (isinstance(content, Mapping) and isinstance(stand_in, Mapping) and place):
+        return content
+    first, *rest = place
+    if first not in stand_in or (not rest and first in content):
+        return content
+    inner = content.get(first, {}) if rest else None
+    within = _filled(inner, tuple(rest), stand_in[first]) if rest else stand_in[first]
+    return content if rest and within is inner else {**content, first: within}
 
 
 def _require_64_bits(content: object) -> None:
@@ -243,17 +261,6 @@ def _require_64_bits(content: object) -> None:
                 left += values
             case int() as number if not -_OF_64_BITS <= number < _OF_64_BITS:
                 raise ValueError
-
-
-def _fill(content: Any, place: Path_, stand_in: Any) -> None:
-    """Give a place that has none the value of `stand_in`, if that has one."""
-    *tables, last = place or ("",)
-    for key in tables:
-        if not (isinstance(stand_in, Mapping) and isinstance(content, dict) and key in stand_in):
-            return
-        content, stand_in = content.setdefault(key, {}), stand_in[key]
-    if isinstance(stand_in, Mapping) and isinstance(content, dict) and last in stand_in:
-        content.setdefault(last, stand_in[last])
 
 
 def _reason(reason: OSError | UnicodeDecodeError) -> str:

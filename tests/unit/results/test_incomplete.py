@@ -17,7 +17,7 @@ RUN = Path("runs/laws")
 def bundle(
     *, complete: bool = True, planned: bool = True, failure: str = "", plan: str = "laws.toml"
 ) -> Bundle:
-    details = ({"plan": {}} if planned else {}) | ({"failure": failure} if failure else {})
+    details: dict[str, object] = ({"plan": {}} if planned else {}) | ({"failure": failure} if failure else {})
     manifest = SimpleNamespace(details=details, command_line=("run", plan) if plan else ("demo",))
     return cast(Bundle, SimpleNamespace(complete=complete, manifest=manifest))
 
