@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 from tests.mutation.__main__ import draw, equivalents, share_noticed
+from tests.mutation.kept_results import forget
 from tests.mutation.operators import Mutant, functions_of, mutants_of
 from tests.mutation.reach import Reach
 from tests.mutation.trial import Outcome, Result
@@ -28,6 +30,11 @@ class Motor:
 def swapped(first: int, last: int) -> int:
     return divmod(first, last)[0] - -last + gcd(first, last)
 '''
+
+
+@cache
+def kept() -> object:
+    return object()
 
 
 def changes(operator: str) -> set[str]:
@@ -91,3 +98,10 @@ def test_equivalent_mutants_do_not_count_and_each_has_a_reason() -> None:
     for identity, reason in equivalents().items():
         assert (ROOT / identity.partition("::")[0]).is_file()
         assert len(reason) > 20
+
+
+def test_no_test_finds_what_another_had_computed() -> None:
+    first = kept()
+    assert kept() is first
+    forget()
+    assert kept() is not first

@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from coverage import Coverage
 
+from tests.mutation.kept_results import forget
+
 _SETUP = ""  # the context of what runs outside of any test
 
 _seconds: dict[str, float] = {}
@@ -30,7 +32,8 @@ def pytest_configure() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    """Give the test, its setup and its teardown one context."""
+    """Give the test, its setup and its teardown one context; nothing is there that others had computed."""
+    forget()
     _coverage.switch_context(item.nodeid)
     try:
         return (yield)

@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from benchtool.analysis import analyze_step
 from benchtool.analysis.quantisation.read_noise import error_of_mean, noise_of_readings
@@ -50,6 +52,28 @@ def test_the_error_of_a_mean_is_that_of_values_anywhere_between_two_levels(rms: 
     for each in filter(None, (over_u, of_both)):
         assert 0.6 < math.sqrt(np.mean(np.square(each))) < 1.5
         assert np.mean(np.abs(each) < 2.0) > 0.93
+
+
+@pytest.mark.parametrize("share", [0.2, 0.45])
+def test_the_error_of_two_levels_is_what_any_noise_up_to_theirs_leaves(share: float) -> None:
+    """Of any rms of which the square is as likely as another, at the place where the mean is as it is."""
+    read = STEP * (np.arange(1000.0) < 1000.0 * share)
+    most = noise_of_readings(read, STEP) / STEP
+
+    def mean(place: float, noise: float) -> float:
+        return float(np.sum(ndtr((place - np.arange(-3.0, 5.0) + 0.5) / noise))) - 4.0
+
+    off = []
+    for noise in most * np.sqrt((np.arange(100) + 0.5) / 100):
+        place = brentq(lambda at, noise=noise: mean(at, noise) - share, -0.5, 1.5)
+        off.append(share - place)
+    assert error_of_mean(read, STEP) == pytest.approx(STEP * math.sqrt(np.mean(np.square(off))), rel=5e-3)
+
+
+@pytest.mark.parametrize(("off", "is_whole"), [(0.007, True), (0.02, False)])
+def test_readings_a_hundredth_of_a_step_off_are_on_levels(off: float, is_whole: bool) -> None:
+    read = readings(0.5, 0.02) + off * STEP * (np.arange(8000) % 2)
+    assert (noise_of_readings(read, STEP) < 0.25 * STEP) is is_whole
 
 
 def test_readings_about_a_reference_that_moves_are_told_by_their_variance() -> None:
