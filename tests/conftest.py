@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -45,13 +45,10 @@ settings.register_profile(
 )
 settings.load_profile("reproducible")
 
-if TYPE_CHECKING:
-    from _typeshed import FileDescriptorLike
-
 import_can_without_mdf()
 
 
-def _not_flushed(fd: FileDescriptorLike) -> None:
+def _not_flushed(fd: object) -> None:
     """Take the place of `os.fsync`: a test survives no loss of power, and flushing waits for the disk."""
 
 

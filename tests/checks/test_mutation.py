@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from tests.mutation.__main__ import draw, equivalents, share_noticed
-from tests.mutation.kept_results import forget
+from tests.mutation.caches import clear_caches
 from tests.mutation.operators import Mutant, functions_of, mutants_of
 from tests.mutation.reach import Reach
 from tests.mutation.trial import Outcome, Result
@@ -103,5 +103,5 @@ def test_equivalent_mutants_do_not_count_and_each_has_a_reason() -> None:
 def test_no_test_finds_what_another_had_computed() -> None:
     first = kept()
     assert kept() is first
-    forget()
+    clear_caches()
     assert kept() is not first

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from coverage import Coverage
 
-from tests.mutation.kept_results import forget
+from tests.mutation.caches import clear_caches
 
 _SETUP = ""  # the context of what runs outside of any test
 
@@ -33,7 +33,7 @@ def pytest_configure() -> None:
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
     """Give the test, its setup and its teardown one context; nothing is there that others had computed."""
-    forget()
+    clear_caches()
     _coverage.switch_context(item.nodeid)
     try:
         return (yield)

@@ -57,7 +57,7 @@ def test_the_error_of_a_mean_is_that_of_values_anywhere_between_two_levels(rms: 
 @pytest.mark.parametrize("share", [0.2, 0.45])
 def test_the_error_of_two_levels_is_what_any_noise_up_to_theirs_leaves(share: float) -> None:
     """Of any rms of which the square is as likely as another, at the place where the mean is as it is."""
-    read = STEP * (np.arange(1000.0) < 1000.0 * share)
+    read = np.where(np.arange(1000) < 1000.0 * share, STEP, 0.0)
     most = noise_of_readings(read, STEP) / STEP
 
     def mean(place: float, noise: float) -> float:

@@ -1,4 +1,4 @@
-"""Results that functions keep (`functools.cache`), forgotten between tests.
+"""Results that functions keep (`functools.cache`), cleared between tests.
 
 What a function computes once, the first test that calls it would reach alone, and a mutant in it be met by no
 other.
@@ -15,8 +15,8 @@ _COMPILED: Final = "benchtool.emulator."
 """Machine code takes seconds to load again, and is not traced."""
 
 
-def forget() -> None:
-    """Forget what functions of the project and of its tests keep, but for the compiled core."""
+def clear_caches() -> None:
+    """Clear what functions of the project and of its tests keep, but for the compiled core."""
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] in ("benchtool", "tests") and not name.startswith(_COMPILED):
             for each in list(vars(module).values()):
