@@ -23,8 +23,9 @@ from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import means_of_parts
 from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
-from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
+from benchtool.analysis.steps.noisy_curve import CALM, EVEN, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
+from benchtool.analysis.steps.ringing import Ringing, ringing_about
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_drift import find_drift, wanders
@@ -139,11 +140,14 @@ def _undefined(each: Measurement, reason: str) -> Measurement:
 def _measurements(step: Step, curve: NoisyCurve, band: float, drift: Slope | None) -> Iterator[Measurement]:
     arrival = curve.passage(step.greatest - _ARRIVED * step.height, step.greatest_error)
     arrived = None if arrival is None else arrival.instant
+    ringing = _ringing(step, curve)
     settled = curve.last_outside(step.final, band, step.fall)
-    yield from _times(step, curve, arrived)
+    if ringing is not None and settled is not None and not step.fall:
+        settled = ringing.last_outside(step.final, band) or settled
+    yield from _times(step, curve, arrived, ringing)
     settling = _time(step, "settling_time", _settling_text(step, band), settled, "it does not settle")
     yield _resting_on(settling, band=band)
-    yield from _excursions(step, curve, arrived)
+    yield from _excursions(step, curve, arrived, ringing)
     for each in plateau_numbers(step, curve, arrived, band, drift):
         yield _resting_on(each, span_s=(step.leaves - step.zero) * step.period_s)
     for each in tracking_numbers(step, curve, settled, band, drift):
@@ -203,7 +207,9 @@ def _settling_text(step: Step, band: float) -> str:
     )
 
 
-def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+def _times(
+    step: Step, curve: NoisyCurve, arrived: Instant | None, ringing: Ringing | None
+) -> Iterator[Measurement]:
     text = (
         f"from the step until the smoothed signal is {_ARRIVED:.0%} of the step beyond the mean before it; "
         f"where {SIGMAS:g} x its uncertainty is more, from there back along a lag of the order that it shows"
@@ -213,7 +219,9 @@ def _times(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[M
     reason = "it moves before the reference has come half the way" if ahead else "it does not move"
     yield _time(step, "step_latency", text, None if ahead else left, reason)
 
-    rise = curve.rise(*(step.before + share * step.height for share in (_LOW, _HIGH)))
+    low, high = (step.before + share * step.height for share in (_LOW, _HIGH))
+    rise = None if ringing is None else ringing.rise(step.before, low, high)
+    rise = rise or curve.rise(low, high)
     text = f"from {_LOW:.0%} to {_HIGH:.0%} of the step, of the smoothed signal"
     yield _interval(step, "rise_time", text, rise, "it is not reached")
     text = f"from the step until the smoothed signal has come {1 - _ARRIVED:.0%} of it"
@@ -262,7 +270,9 @@ def _possible(lines: Iterable[Contribution], standard: float | None) -> Uncertai
     return found
 
 
-def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Iterator[Measurement]:
+def _excursions(
+    step: Step, curve: NoisyCurve, arrived: Instant | None, ringing: Ringing | None
+) -> Iterator[Measurement]:
     greatest, of_curve = curve.greatest(kinked=True)
     peak, of_windows = None, 0.0
     if greatest - step.greatest > _EXTREME * math.hypot(of_curve, step.greatest_error):
@@ -283,6 +293,10 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
             place = corner.place, math.hypot(corner.place_error, curve.greatest_elsewhere(corner.reach))
             at, wider = corner.averaged((peak.place, peak.standard), place)
             peak = Instant(at, wider, of_rows=min(peak.of_rows, wider))
+        if ringing is not None:
+            crest = ringing.crest
+            greatest, of_curve, of_windows = crest.height, crest.height_error, 0.0
+            peak = Instant(crest.place, crest.place_error)
     text = "greatest value of the smoothed signal beyond the greatest reference"
     errors = _errors(of_curve, of_windows, step.greatest_error)
     beyond, uncertain = _at_least_zero(step, greatest - step.greatest, errors)
@@ -303,11 +317,21 @@ def _excursions(step: Step, curve: NoisyCurve, arrived: Instant | None) -> Itera
         return
     lowest, of_curve = curve.least_after_greatest()
     of_windows = 0.0
-    if step.final - lowest > _SHOWN * math.hypot(of_curve, step.final_error):
+    if ringing is not None:
+        lowest, of_curve = ringing.trough.height, ringing.trough.height_error
+    elif step.final - lowest > _SHOWN * math.hypot(of_curve, step.final_error):
         raised, _ = curve.since(int(np.argmax(curve.values))).against(-1.0).blunted()
         lowest, of_windows = lowest - _BLUNTED * raised, _OF_BLUNTED * abs(raised)
     errors = _errors(of_curve, of_windows, step.final_error)
     yield step.number(name, text, *_at_least_zero(step, step.final - lowest, errors))
+
+
+def _ringing(step: Step, curve: NoisyCurve) -> Ringing | None:
+    """Return the mode of an answer that rings in few rows a period; None where their times scatter."""
+    if curve.time_scatter >= EVEN:
+        return None
+    noise = math.hypot(step.plateau_noise.rms, step.converter_step / math.sqrt(12.0))
+    return ringing_about(step.y_clear, int(np.argmax(curve.values)), noise)
 
 
 def _errors(of_curve: float, of_windows: float, of_reference: float) -> tuple[Contribution, ...]:
