@@ -195,7 +195,7 @@ def _course(constants: Floats, rows: Floats) -> Floats:
 def _turn(constants: Floats) -> float:
     """Return where a mode has a peak, in rows, of all that are half a period apart."""
     damping, angle, _, a, b = constants.tolist()
-    return math.atan2(b * angle - a * damping, a * angle + b * damping) / angle
+    return float(math.atan2(b * angle - a * damping, a * angle + b * damping) / angle)
 
 
 def _extreme(constants: Floats, after: float) -> tuple[float, float]:
