@@ -315,7 +315,7 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
             output.warning(incomplete(run, [("", bundle)]))
             document |= {"complete": False, "failure": failure}
         output.document(document)
-        return 0 if result.verdict.met else 1
+        return 0 if result.verdict.met and bundle.complete else 1
     runs = recorded_runs(run, selection)
     if len(runs) > 1:
         raise UsageError(f"{run} holds {len(runs)} plans: give the folder of one, such as {runs[0].folder}")

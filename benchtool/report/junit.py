@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 from benchtool.plan import JudgedLimit
 from benchtool.recording import writing
 from benchtool.report.provenance import run_facts
-from benchtool.results import RecordedCase, RecordedRun, judged_together
+from benchtool.results import Disagreement, RecordedCase, RecordedRun, judged_together
 
 _NOT_IN_XML: Final = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -54,7 +54,8 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
     for case in run.cases:
         _tests_of(suite, f"{title}.{_text(case.name)}", case)
     for group, each in judged_together(run.repeated):
-        _judge(suite, f"{title}.{_text(group)}", f"{each.name} {each.limit.bounds}, {each.judge}", each)
+        name = f"{each.name} {each.limit.bounds}, {each.judge}"
+        _judge(suite, f"{title}.{_text(group)}", name, each, each.disagreement)
     for name in run.missing:
         test = _test(suite, f"{title}.{_text(name)}", "run")
         ElementTree.SubElement(test, "skipped", message="the case has no recording")
@@ -75,12 +76,20 @@ def _tests_of(suite: ElementTree.Element, place: str, case: RecordedCase) -> Non
     output.text = _text(f"bundle: {case.bundle.directory}")
     if case.assessment is None:
         return
+    contradicted = {each.name: each for each in case.assessment.disagreements}
     for each in case.assessment.judged.values():
-        _judge(suite, place, f"{each.name} {each.limit.bounds}", each)
+        _judge(suite, place, f"{each.name} {each.limit.bounds}", each, contradicted.get(each.name))
 
 
-def _judge(suite: ElementTree.Element, place: str, name: str, judged: JudgedLimit) -> None:
-    """Append the test of a limit, with what was measured and the decision rule."""
+def _judge(
+    suite: ElementTree.Element,
+    place: str,
+    name: str,
+    judged: JudgedLimit,
+    contradicted: Disagreement | None,
+) -> None:
+    """Append the test of a limit, with what was measured, the decision rule, and the transducer's number
+    where that contradicts it."""
     test, limit, told = _test(suite, place, name), judged.limit, str(judged.told or "")
     if limit.requirement:
         properties = ElementTree.SubElement(test, "properties")
@@ -95,7 +104,8 @@ def _judge(suite: ElementTree.Element, place: str, name: str, judged: JudgedLimi
     if (measured := judged.measured) is not None:
         value = measured.in_unit
     output = ElementTree.SubElement(test, "system-out")
-    output.text = _text(f"{judged.verdict}: {judged.name}: {value}, {limit.rule}")
+    shaft = "" if contradicted is None else f"; the transducer disagrees: {contradicted}"
+    output.text = _text(f"{judged.verdict}: {judged.name}: {value}, {limit.rule}{shaft}")
 
 
 def _test(suite: ElementTree.Element, place: str, name: str) -> ElementTree.Element:

@@ -55,6 +55,8 @@ def test_every_limit_is_a_test(recorded: Path) -> None:
     failures = [failure for test in together if (failure := test.find("failure")) is not None]
     assert failures
     assert "torque_ripple_pp is" in str(failures[0].get("message"))
+    told = [str(output.text) for test in together if (output := test.find("system-out")) is not None]
+    assert all("the transducer disagrees: torque_ripple_pp is " in each for each in told)
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         assert int(str(suite.get(count))) == len(list(suite.iter(kind))) == int(str(root.get(count)))
     assert int(str(suite.get("tests"))) == len(list(suite.iter("testcase")))

@@ -242,6 +242,11 @@ def test_a_killed_recording_loses_at_most_the_last_second(tmp_path: Path) -> Non
     rows = len(bundle.block("telemetry").data)
     assert rows >= 100
     assert bundle.block("telemetry").gaps == ()
+    told = f"{tmp_path / 'a'} is incomplete: it was cut short (its process ended), what was recorded until"
+    for verb, code in (("analyze", 1), ("verify", 0), ("export", 0)):
+        options = ("--out", str(tmp_path / "a.csv")) if verb == "export" else ()
+        read = CliRunner().invoke(app, (verb, str(tmp_path / "a"), *options))
+        assert (verb, read.exit_code, told in read.stderr) == (verb, code, True)
     seconds = f"{rows / 100 - 0.5:.1f}"
     again = CliRunner().invoke(
         app,
