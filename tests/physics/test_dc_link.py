@@ -78,6 +78,25 @@ def test_the_capacitor_gives_the_energy_that_the_legs_took(
         assert found == pytest.approx(drawn, rel=1e-9, abs=1e-9)
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    C=st.floats(1e-5, 1e-2),
+    u=st.floats(50.0, 200.0),
+    u_s=st.floats(50.0, 200.0),
+    R=st.floats(0.05, 50.0),
+    G=st.just(0.0) | st.floats(0.001, 0.5),
+    more=st.floats(1.1, 10.0),
+)
+def test_a_capacitor_that_is_asked_for_more_than_it_holds_is_empty(
+    C: float, u: float, u_s: float, R: float, G: float, more: float
+) -> None:
+    fed_J = 1e-4 * u_s**2 / R
+    found = giving(C, u, u_s, 1.0 / R, G, more * (0.5 * C * u**2 + fed_J), 1e-4)
+    assert found.u == pytest.approx(0.0, abs=1e-9 * u)
+    given_J = u_s * found.fed - found.lost - found.burnt + 0.5 * C * u**2
+    assert 0.0 < given_J <= 0.5 * C * u**2 + fed_J
+
+
 def braking(**inverter: float) -> Core:
     """4 Nm against 150 rad/s of a load machine: some 560 W back into the link."""
     core = make_core(

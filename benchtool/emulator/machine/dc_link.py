@@ -19,7 +19,8 @@ _NEVER = math.inf
 _SMALL = 0.01  # of a time in time constants, below which a series is the more exact
 _SEVENTH = 31.0 / 2520.0  # of its coefficients
 _SECANTS = 12
-_CLOSE = 1e-13
+_CLOSE, _NEARLY = 1e-13, 1e-6
+_HALVINGS = 60
 
 
 class DcLink(NamedTuple):
@@ -136,19 +137,35 @@ def giving(
 def _giving_across(
     C: float, u: float, u_s: float, G_supply: float, G: float, energy: float, duration: float
 ) -> Charged:
-    """Return `giving` by secants, of a voltage that may pass the supply's."""
+    """Return `giving` by secants, of a voltage that may pass the supply's; of more energy than the capacitor
+    holds, and is fed, no current is that, and it is empty then."""
     i0 = 0.0 if u == 0.0 else energy / (u * duration)
     after = charged(C, u, u_s, G_supply, G, i0, duration)
     f0 = i0 * after.area - energy
     i = energy / after.area if after.area > 0.0 else i0
     for _ in range(_SECANTS):
         if abs(f0) <= _CLOSE * abs(energy) or i == i0:
-            return after
+            break
         after = charged(C, u, u_s, G_supply, G, i, duration)
         f = i * after.area - energy
         following = i - f * (i - i0) / (f - f0) if f != f0 else i
         i0, f0, i = i, f, following
-    return after
+    if abs(f0) <= _NEARLY * abs(energy):
+        return after
+    return _emptied(C, u, u_s, G_supply, G, duration)
+
+
+@njit
+def _emptied(C: float, u: float, u_s: float, G_supply: float, G: float, duration: float) -> Charged:
+    """Return what the least current that empties the capacitor within `duration` does to it."""
+    least, most = 0.0, (C * u + G_supply * u_s * duration) / duration  # its charge, and all that it is fed
+    for _ in range(_HALVINGS):
+        i = 0.5 * (least + most)
+        if charged(C, u, u_s, G_supply, G, i, duration).u > 0.0:
+            least = i
+        else:
+            most = i
+    return charged(C, u, u_s, G_supply, G, most, duration)
 
 
 @called
