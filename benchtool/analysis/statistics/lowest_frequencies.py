@@ -385,6 +385,8 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     Its standard deviation would be that of the steepest of the models, however little they weigh.
     """
     kept = weight > _WEIGHTLESS
+    if not np.all(standard[kept] > 0.0):  # the level of all of them is that of no power
+        return 0.0
     weight, scale = weight[kept] / np.sum(weight[kept]), math.sqrt(2.0) * standard[kept]
     mixture = list(zip(weight.tolist(), scale.tolist(), strict=True))
     slope = 2.0 / math.sqrt(math.pi) * weight / scale

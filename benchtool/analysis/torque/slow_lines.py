@@ -166,7 +166,10 @@ def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floa
         return curve(np.interp(at, place, rows)), at, False
     count = within * periods
     edges = np.interp(np.arange(count + 1) / count, place, rows)
-    means = np.diff(curve.antiderivative()(edges)) / np.diff(edges)
+    width = np.diff(edges)
+    is_part = width > 0.0  # of rows at the same place there is none
+    sums = np.diff(curve.antiderivative()(edges))
+    means = np.where(is_part, sums / np.where(is_part, width, 1.0), curve(edges[:-1]))
     return np.asarray(means), (np.arange(count) + 0.5) / count, True
 
 

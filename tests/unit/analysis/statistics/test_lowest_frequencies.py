@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from benchmarks.coverage.noise import coloured, fractional, resonant
-from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
+from benchtool.analysis.statistics.lowest_frequencies import _half_width, slow_noise, walk_probability
 
 
 @pytest.mark.parametrize(("exponent", "within"), [(0.3, 0.3), (0.6, 0.1)])
@@ -117,3 +117,8 @@ def test_two_standard_deviations_of_white_noise_hold_its_mean_in_95_of_100_recor
     stated = np.array([getattr(slow_noise(each), "standard", np.nan) for each in records])
     assert 0.9 <= float(np.mean(np.abs(np.mean(records, axis=1)) < 2.0 * stated)) <= 0.99
     assert np.median(stated) == pytest.approx(1.0 / np.sqrt(600), rel=0.12)
+
+
+def test_noise_without_power_leaves_nothing_uncertain() -> None:
+    assert _half_width(np.array([0.7, 0.3]), np.zeros(2)) == 0.0
+    assert _half_width(np.array([0.7, 0.3]), np.ones(2)) == pytest.approx(1.96, abs=1e-3)

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, ripple_numbers, torque_ripple, track_angle
-from benchtool.analysis.torque.slow_lines import SlowLines, slow_lines
+from benchtool.analysis.torque.slow_lines import SlowLines, _aligned, slow_lines
 from benchtool.block import Block
 from tests.at_length import at_length
 
@@ -436,3 +436,13 @@ def test_a_line_of_few_cycles_is_at_the_place_of_least_squares(cycles: float) ->
         found = slow_lines(np.cos(2.0 * np.pi * cycles * place + phase_rad) + noise, place, 30)
         assert found is not None
         assert found.cycles == pytest.approx([cycles], abs=4.0 * scatter)
+
+
+def test_rows_at_one_place_are_a_part_of_no_length() -> None:
+    """As those of an angle that stands still: their part of the distance has the value there."""
+    place = np.concatenate([np.linspace(0.0, 0.5, 2_000), np.full(1_000, 0.5), np.linspace(0.5, 1.0, 1_000)])
+    samples = np.cos(2.0 * np.pi * 6.3 * place)
+    samples[2_000:3_000] = 0.0
+    values, at, _ = _aligned(samples, place, 10)
+    assert np.max(np.abs(values - np.cos(2.0 * np.pi * 6.3 * at))) < 0.6
+    assert np.all(np.isfinite(_aligned(samples, np.append(np.zeros(3_999), 1.0), 10)[0]))
