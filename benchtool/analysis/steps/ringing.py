@@ -22,6 +22,7 @@ _FEWEST, _MOST = 10, 60  # rows of a mode
 _SHORTEST, _LONGEST = 2.3, 8.0  # rows of a period: those of more show its peaks
 _DESCRIBED = 3.0  # standard deviations of a sum of squares beyond what noise leaves
 _CLEAR = 20.0  # standard deviations of a sample that the mode has at its beginning, at least
+_RINGS = 5.0  # of them below its level goes the trough after its crest: less is the end of a rise
 _EARLIER = 3  # rows before the greatest sample in which the mode may set in
 _AHEAD, _BESIDE = 0.5, 1.5  # rows of a peak before the first row, and behind the greatest sample, at most
 _NEWTON, _ENOUGH = 12, 1e-9  # steps of Gauss and Newton, and the change of a constant that ends them
@@ -53,6 +54,11 @@ class Ringing:
     begin: int
     constants: Floats
     covariance: Floats
+
+    @property
+    def level(self) -> float:
+        """The value that it decays to."""
+        return float(self.constants[2])
 
     @property
     def crest(self) -> Peak:
@@ -142,7 +148,8 @@ def ringing_about(samples: Floats, top: int, noise: float) -> Ringing | None:
         if found is not None:
             ringing = Ringing(samples, begin, *found)
             after = ringing.crest.place - begin
-            return ringing if -_AHEAD < after < top - begin + _BESIDE else None
+            rings = ringing.level - ringing.trough.height > _RINGS * noise
+            return ringing if rings and -_AHEAD < after < top - begin + _BESIDE else None
     return None
 
 
