@@ -35,7 +35,9 @@ from benchtool.analysis.statistics.scatter import (
     error_of_root,
     is_memory_untold,
 )
+from benchtool.analysis.torque.means_of_periods import Periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
+from benchtool.analysis.torque.slow_ripple import SlowRipple
 from benchtool.analysis.uncertainty import Contribution, combined_by_names
 from benchtool.analysis.validity import require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -235,7 +237,9 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     yield flux.number("flux_radius_mean", text, mean, of_mean, resolved, ends)
     scatter = math.nan
     if len(begins) >= FEWEST_EXTREMES:
-        scatter = extremes_of_ripple(radius, radius, begins, Tails.of(radius, begins, flux.counts))
+        slow = SlowRipple.over(radius, Periods(np.append(begins, len(radius)), "revolutions"))
+        tails = Tails.of(radius, begins, flux.counts)
+        scatter = extremes_of_ripple(radius, slow.mean.left, begins, tails, slow=slow)
     text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
     of_both = Contribution("resolution", "B", flux.steps.of_span(step))
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)

@@ -39,6 +39,13 @@ class SlowRipple:
         about = samples - of_mean.mean - of_mean.slowly(repeats.places(len(samples)))
         return SlowRipple(of_mean, mean_over_periods(np.square(about), repeats), repeats)
 
+    @staticmethod
+    def over(samples: Floats, repeats: Periods) -> SlowRipple:
+        """Return those of samples, shape (n,), of whole periods."""
+        of_mean = mean_over_periods(samples, repeats, may_fall=True)
+        square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)
+        return SlowRipple.of(samples, repeats, of_mean, mean_over_periods(square, repeats, may_fall=True))
+
     @property
     def is_steady(self) -> bool:
         """Whether neither has a line or a course."""

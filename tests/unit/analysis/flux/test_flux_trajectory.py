@@ -224,3 +224,18 @@ def test_the_rms_of_a_radius_has_what_moves_its_centre_slowly() -> None:
             errors.append(error / found.uncertainty.standard)
     assert len(errors) > 16
     assert np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_a_radius_that_swings_slowly_has_its_extremes_in_every_record() -> None:
+    random = np.random.default_rng(7)
+    turns, found = np.arange(55 * 160) / 160, []
+    for begin in random.uniform(0.0, 2.0 * np.pi, 8):
+        swing = 1.0 + 0.01 * np.sin(2.0 * np.pi * 0.046 * turns + begin)
+        psi = 0.12 * swing * np.exp(2j * np.pi * turns)
+        psi += 5e-5 * (random.standard_normal(len(turns)) + 1j * random.standard_normal(len(turns)))
+        block = Block(CHANNELS, 0, 1, 1.25e-4, np.column_stack([psi.real, psi.imag]))
+        span = {each.name: each for each in flux_trajectory(block)}["flux_radius_pp"]
+        assert span.uncertainty is not None
+        found.append((span.value, span.uncertainty.standard))
+    values, stated = np.array(found).T
+    assert 0.5 < np.median(stated) / np.std(values, ddof=1) < 2.0
