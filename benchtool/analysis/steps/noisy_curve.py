@@ -48,15 +48,13 @@ Floats = NDArray[np.float64]
 CALM = 5.0
 """Standard uncertainties of the curve that noise alone hardly ever leaves."""
 
-EVEN = 1e-3
-"""Rows that their times scatter by: as much as rounding."""
-
 _OF_BIAS = 0.5  # of a bend a quarter, as of (3/2)^4 - 1; of an edge more
 _DRAWS = 80
 _FEWEST_DRAWS = 20
 _MOST_VALUES = 1 << 24  # of all draws together, 128 MiB
 _TIED = 3.0  # standard deviations of the greatest value, and of another that may also be the greatest
 _TOGETHER, _DEGREE = 0.5, 2  # of the rows from the first to the last that are tied; of the curve through them
+_EVEN = 1e-3  # rows that their times scatter by: as much as rounding
 _OF_WINDOWS = 0.05  # of the noise: as much where there is less leaves windows beside it long enough
 _HIDES_ALL = 0.41  # of a step: noise that is read as half of one on average
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
@@ -309,7 +307,7 @@ class NoisyCurve:
             return parabola(self.values, top)
         found = kink(self.values, top, float(self.standard[top]))
         # levels of a converter, and rows at other times, bend a curve otherwise than its modes
-        if found is None and not self.is_on_levels and self.time_scatter < EVEN:
+        if found is None and not self.is_on_levels and self.time_scatter < _EVEN:
             found = quartic(self.values, top) or of_three(self.values, top, float(self.standard[top]))
         return found or parabola(self.values, top)
 

@@ -148,8 +148,11 @@ def ringing_about(samples: Floats, top: int, noise: float) -> Ringing | None:
         if found is not None:
             ringing = Ringing(samples, begin, *found)
             after = ringing.crest.place - begin
+            is_there = -_AHEAD < after < top - begin + _BESIDE
+            # what rings once it has arrived is a click
+            arrives = bool(np.all(samples[:begin] < ringing.level))
             rings = ringing.level - ringing.trough.height > _RINGS * noise
-            return ringing if rings and -_AHEAD < after < top - begin + _BESIDE else None
+            return ringing if is_there and arrives and rings else None
     return None
 
 

@@ -23,7 +23,7 @@ from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import means_of_parts
 from benchtool.analysis.steps.corners import corner_near
 from benchtool.analysis.steps.departure import SIGMAS, departure
-from benchtool.analysis.steps.noisy_curve import CALM, EVEN, NoisyCurve
+from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.ringing import Ringing, ringing_about
 from benchtool.analysis.steps.slopes import Slope
@@ -327,9 +327,7 @@ def _excursions(
 
 
 def _ringing(step: Step, curve: NoisyCurve) -> Ringing | None:
-    """Return the mode of an answer that rings in few rows a period; None where their times scatter."""
-    if curve.time_scatter >= EVEN:
-        return None
+    """Return the mode of an answer that rings in few rows a period, as samples at other times do not."""
     noise = math.hypot(step.plateau_noise.rms, step.converter_step / math.sqrt(12.0))
     return ringing_about(step.y_clear, int(np.argmax(curve.values)), noise)
 

@@ -91,6 +91,15 @@ def test_a_slow_mode_and_two_are_none_of_few_rows() -> None:
     assert ringing_about(noise, 30, 1.0) is None
 
 
+def test_clicks_of_an_answer_that_has_arrived_are_no_mode_of_it() -> None:
+    click = _answer(np.arange(60.0) + 0.2, 3.1) - 1.0
+    samples = np.concatenate([1.0 - np.exp(-np.arange(80.0) / 11.0), 1.0 - 0.2 * click])
+    samples += NOISE * np.random.default_rng(4).standard_normal(len(samples))
+    top = int(np.argmax(samples))
+    assert top >= 80
+    assert ringing_about(samples, top, NOISE) is None
+
+
 def _found(period: float, late: float, noise: float, seed: int) -> dict[str, Measurement]:
     random = np.random.default_rng(seed)
     rows = np.arange(200.0) - BEFORE + late
@@ -120,3 +129,24 @@ def test_a_step_response_has_the_excursions_and_times_of_its_mode() -> None:
             errors.append((found[name].value - truth) / uncertainty.standard)
             assert uncertainty.standard < (4e-4 if name.endswith("time") else 0.02)
     assert float(np.sqrt(np.mean(np.square(errors)))) < 1.4
+
+
+def test_times_that_seem_to_scatter_are_even_where_the_samples_are_one_mode(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("benchtool.analysis.steps.noisy_curve.scatter_of_times", lambda *_: 0.2)
+    overshoot = _found(3.1, 0.5, NOISE, 1)["overshoot"]
+    assert overshoot.uncertainty is not None
+    assert overshoot.uncertainty.standard < 0.02
+    truth = float(np.max(_answer(FINE, 3.1))) - 1.0
+    assert abs(overshoot.value - truth) < 3.0 * overshoot.uncertainty.standard
+
+
+@pytest.mark.parametrize("slope", [0.25, 0.3, 0.45, 0.5])
+def test_a_rise_that_ends_without_a_trough_beyond_noise_is_no_mode(slope: float) -> None:
+    """Few samples on the way up and a level are of a mode that is gone within a row, too."""
+    for seed in range(4):
+        noise = 4e-3 * np.random.default_rng(seed).standard_normal(84)
+        rise = np.concatenate([np.zeros(5), np.minimum(1.0, slope * np.arange(1.0, 80.0))]) + noise
+        first = int(np.argmax(rise > 0.99))
+        assert [ringing_about(rise, first + k, 4e-3) for k in range(3)] == [None] * 3
