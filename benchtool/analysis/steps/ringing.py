@@ -29,7 +29,7 @@ _NEWTON, _ENOUGH = 12, 1e-9  # steps of Gauss and Newton, and the change of a co
 _MOST_DAMPED = 3.0  # per row
 _ROUNDING = 1e-7  # of the peak to peak
 _SMALL = 1e-6  # change of a constant that tells a slope
-_OF_ADDED, _OF_TIMES = 0.05, 0.02  # of what the mode adds to the samples; rows: its course is another there
+_OF_ADDED, _OF_TIMES = 0.05, 0.01  # of what the mode adds to the samples; rows: its course is another there
 _DRAWS, _PLACES = 80, 64  # of the constants; to a row
 _ROW_BEFORE = 1.1  # rows before its first in which a mode sets in, with what noise moves that by
 _AT_LEVEL = 0.01  # of the height: from how near its level the mode takes an answer away
@@ -122,7 +122,8 @@ class Ringing:
         added = float(np.min(np.abs(height - self.samples[row : row + 2])))
         aside = min(place - math.floor(place), math.ceil(place) - place)
         of_height, of_place = (
-            math.hypot(each, _OF_ADDED * more) for each, more in ((of_height, added), (of_place, aside))
+            math.hypot(of_height, _OF_ADDED * added),
+            math.hypot(of_place, _OF_TIMES * aside),
         )
         return Peak(height, of_height, self.begin + place, of_place)
 
