@@ -22,6 +22,7 @@ _PLACES, _FEWEST_PLACES, _FEWER = 240, 60, 0.9  # of a period; how many of them 
 _SAMPLES, _FEWEST_SAMPLES = 6, 3  # at a place: on average, and at least
 _FEWEST_PERIODS = 3.0
 _AT_THE_CREST = 0.025  # of a period to either side of the greatest
+_ROUNDING = 1e-12  # of the greatest value: what levels without noise differ by
 _LEVEL = 4.0  # standard uncertainties of the mean at a place, over some of which a level crest stays
 _SHORTEST = 7  # places: of fewer a level crest is not told from a round one
 _BEYOND, _FALLS = 0.25, 5.0  # of half of the stretch; times its tolerance: a round crest falls by 2.4
@@ -108,10 +109,14 @@ def _level_share(wave: Floats, error: Floats, step: float) -> float:
     wave, error = np.roll(wave, by), np.roll(error, by)
     near = math.ceil(_AT_THE_CREST * places)
     tolerance = _LEVEL * float(np.median(error[middle - near : middle + near + 1])) + 0.5 * step
+    tolerance += _ROUNDING * float(np.max(np.abs(wave)))
     level, first, last = float(wave[middle]), middle, middle
     for _ in range(_PASSES):  # the greatest of a level crest is above its mean
         known = first, last
-        first, last = _longest(np.abs(wave - level) <= tolerance)
+        is_level = np.abs(wave - level) <= tolerance
+        if not np.any(is_level):
+            return 0.0
+        first, last = _longest(is_level)
         level = float(np.mean(wave[first : last + 1]))
         if (first, last) == known:
             break

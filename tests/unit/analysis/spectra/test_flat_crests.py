@@ -233,3 +233,10 @@ def test_three_periods_from_any_one_on_tell(periods: float, is_told: bool) -> No
     read = np.clip(np.cos(2 * np.pi * turns), -0.8, 0.8)
     noise = 1e-3 * np.random.default_rng(8).standard_normal(2400)
     assert (flat_crest(read + noise, turns) > 0.0) is is_told
+
+
+@pytest.mark.parametrize("greatest", [0.1, 2.3, 4.1, 4.7, 31.7])
+def test_a_level_crest_without_noise_is_told_though_its_mean_is_rounded(greatest: float) -> None:
+    turns = np.arange(4000) / 97.3
+    wave = np.clip(1.25 * greatest * np.cos(2 * np.pi * turns), -greatest, greatest)
+    assert flat_crest(wave, turns) == pytest.approx(math.acos(0.8) / math.pi, abs=0.03)
