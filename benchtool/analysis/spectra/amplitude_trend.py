@@ -83,16 +83,15 @@ def amplitude_trend(
     place = 0.5 * (edges[1:] + edges[:-1])
     for found in _curves(relative, edges, 0.5 * (1.0 + after - before)):
         curve, about, slopes = found.curve, found.about, found.slopes
-        over_periods = curve.mean(edges[:-1], edges[1:]) if isinstance(curve, _Step) else curve(place)
+        over_periods = curve(place)
+        if isinstance(curve, _Step | _Settling):
+            over_periods = curve.mean(edges[:-1], edges[1:])
         rest = relative - over_periods
         left = float(np.mean(rest**2)) / power
         if left > found.left or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
             continue
         phases = (np.arange(_POINTS_PER_PERIOD * count) + 0.5) / (_POINTS_PER_PERIOD * count)
-        points, whole = (
-            np.interp(count * phases, numbers, edges),
-            np.linspace(-before, 1.0 + after, len(phases)),
-        )
+        points, whole = np.interp(count * phases, numbers, edges), (1.0 + before + after) * phases - before
         course = curve(points)
         level = float(np.mean(curve(whole))) if about is None else about
         of_edge = 0.0
@@ -144,7 +143,8 @@ def _curves(relative: Floats, edges: Floats, middle: float) -> Iterator[_Fitted]
         yield _Fitted(line, partial(_powers, degree), bend=abs(bend))
     step = _step(relative, edges)
     yield _Fitted(step, step.slopes)
-    yield _settling(relative, place)
+    settling = _settling(relative, edges)
+    yield _Fitted(settling, settling.slopes)
     yield from _swing(relative, place)
     yield from _swing(relative, place, middle)
 
@@ -191,28 +191,48 @@ def _step(relative: Floats, edges: Floats) -> _Step:
     return min(found, key=lambda each: float(np.sum((relative - each.mean(edges[:-1], edges[1:])) ** 2)))
 
 
-def _settling(relative: Floats, place: Floats) -> _Fitted:
-    """Return the exponential to a final value that leaves least: a machine that warms up, a decaying flux."""
+@dataclass(frozen=True)
+class _Settling:
+    """An exponential of a size and a rate to a final value: a machine that warms up, a decaying flux."""
 
-    deviation = relative - np.mean(relative)
+    final: float
+    size: float
+    rate: float
+
+    def __call__(self, places: Floats) -> Floats:
+        return np.asarray(self.final + self.size * np.exp(-self.rate * places))
+
+    def mean(self, begin: Floats | float, end: Floats | float) -> Floats:
+        """Return the mean from one place to another."""
+        return np.asarray(self.final + self.size * _mean_decay(self.rate, begin, end))
+
+    def slopes(self, places: Floats) -> Floats:
+        decay = np.exp(-self.rate * places)
+        return np.stack([np.ones(len(places)), decay, -self.size * places * decay], axis=1)
+
+
+def _settling(relative: Floats, edges: Floats) -> _Settling:
+    """Return the exponential that leaves least of amplitudes of periods between edges, which are its means
+    over these."""
+    deviation, (begin, end) = relative - np.mean(relative), (edges[:-1], edges[1:])
 
     def best_of(rates: Floats) -> float:
-        decays = np.exp(-rates[:, np.newaxis] * place)
+        decays = _mean_decay(rates[:, np.newaxis], begin, end)
         decays -= np.mean(decays, axis=1, keepdims=True)
         return float(rates[np.argmax((decays @ deviation) ** 2 / np.sum(decays**2, axis=1))])
 
-    rate = best_of(best_of(_RATES) * np.geomspace(1.0 / _RATE_STEP, _RATE_STEP, _FINER_RATES))
-    constants = np.linalg.lstsq(_exponential(place, rate), relative, rcond=None)[0]
-
-    def slopes(places: Floats) -> Floats:
-        columns = _exponential(places, rate)
-        return np.column_stack([columns, -constants[1] * places * columns[:, 1]])
-
-    return _Fitted(lambda places: np.asarray(_exponential(places, rate) @ constants), slopes)
+    rate = best_of(_RATES)
+    for step in (_RATE_STEP, _RATE_STEP ** (2.0 / _FINER_RATES)):
+        rate = best_of(rate * np.geomspace(1.0 / step, step, _FINER_RATES))
+    columns = np.stack([np.ones(len(relative)), _mean_decay(rate, begin, end)], axis=1)
+    final, size = np.linalg.lstsq(columns, relative, rcond=None)[0].tolist()
+    return _Settling(final, size, rate)
 
 
-def _exponential(place: Floats, rate: float) -> Floats:
-    return np.stack([np.ones(len(place)), np.exp(-rate * place)], axis=1)
+def _mean_decay(rate: Floats | float, begin: Floats | float, end: Floats | float) -> Floats:
+    """Return the mean of a decay of this rate from one place to another."""
+    passes = rate * (np.asarray(end) - begin)
+    return np.asarray(np.exp(-rate * np.asarray(begin)) * -np.expm1(-passes) / passes)
 
 
 def _swing(relative: Floats, place: Floats, middle: float | None = None) -> Iterator[_Fitted]:

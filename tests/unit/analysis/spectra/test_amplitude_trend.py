@@ -132,3 +132,23 @@ def test_the_mean_of_a_step_is_known_as_well_as_the_phase_at_which_it_is_made() 
         value = spectrum_of(steady.samples).amplitude[coherent.periods]
         relative.append((value - float(np.mean(course))) / steady.trend.of_level)
     assert 0.3 < float(np.sqrt(np.mean(np.square(relative)))) < 1.4
+
+
+@pytest.mark.parametrize("rate", [3.0, 16.0, 25.0])
+@pytest.mark.parametrize("size", [0.1, -0.05])
+def test_the_level_of_a_current_that_settles_is_that_over_the_record(rate: float, size: float) -> None:
+    """Of periods whose amplitudes are means over them, and a record that goes on before and behind them."""
+    before, after = 0.0064, 0.028
+    edges = np.arange(PERIODS + 1.0) / PERIODS
+
+    def mean(begin: Array | float, end: Array | float) -> Array:
+        decay = np.exp(-rate * np.asarray(begin)) - np.exp(-rate * np.asarray(end))
+        return np.asarray(1.0 + size * decay / (rate * (np.asarray(end) - begin)))
+
+    amplitudes = mean(edges[:-1], edges[1:])
+    found = amplitude_trend(5.0 * amplitudes, before, after)
+    assert found is not None
+    expected = float(mean(-before, 1.0 + after)) / float(np.mean(amplitudes)) - 1.0
+    # of a rate that is the nearest of a fine grid
+    assert found.level == pytest.approx(expected, abs=2e-4 * abs(size))
+    assert float(np.max(np.abs(found.rest))) < 2e-3 * abs(size)
