@@ -57,6 +57,10 @@ class Disturbance:
     amplitude_noise: tuple[float, float] = (0.0, 0.0)  # rms, correlation over periods
     amplitude_swing: tuple[float, float] = (0.0, 1.0)  # relative, Hz
     amplitude_ramp: float = 0.0  # relative, from the beginning to the end
+    amplitude_settling: tuple[float, float] = (
+        0.0,
+        1.0,
+    )  # relative at the beginning, time constant over duration
     alternates: float = 0.0  # relative deviation of the amplitude, up in one period and down in the next
     frozen: int = 0  # rows for which the sensors of current and torque repeat their last value
     sawtooth: tuple[float, float] = (0.0, 0.0)  # of the torque, Nm, five a period; jitter of its teeth
@@ -132,6 +136,9 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
     size, swing_Hz = what.amplitude_swing
     current *= 1.0 + size * np.cos(2 * np.pi * swing_Hz * time_s + random.uniform(0, 2 * np.pi))
     current *= 1.0 + what.amplitude_ramp * (time_s / duration_s - 0.5)
+    begin, constant = what.amplitude_settling
+    settled = constant * math.expm1(-1.0 / constant)  # less its mean
+    current *= 1.0 + begin * (np.exp(-time_s / (constant * duration_s)) + settled)
     current *= 1.0 + what.alternates * (1.0 - 2.0 * (period % 2))
     current *= np.where(time_s < 0.5 * duration_s, 1.0, what.second_regime)
     for place, amplitude in what.lines:

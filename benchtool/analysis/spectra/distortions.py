@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
@@ -125,18 +125,17 @@ def _corrected(
 
 def with_noise(
     coherent: CoherentSamples,
-    spectrum: CoherentSpectrum,
     errors: LineErrors,
     step: float,
     basis: Basis,
     channel: str,
 ) -> Iterator[Measurement]:
-    """Yield THD_F with the noise in it, of whole periods `coherent`, whose `spectrum` it is, in steps of
-    `step`.
+    """Yield THD_F with the noise in it, of whole periods `coherent`, which are in steps of `step`.
 
     Its power differs from period to period: that scatter is of all in it, noise and what is between the
     harmonics. What the steps add to it is of the converter, and no part of the current.
     """
+    spectrum = spectrum_of(coherent)
     value = distortion_and_noise(spectrum)
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")

@@ -102,6 +102,13 @@ class Separation:
         return with_steady_amplitude(self.cleaned, self.alone.amplitude, self.turns, FIRST_ROW)
 
     @cached_property
+    def whole(self) -> CoherentSamples:
+        """The whole periods with all that is in them, without the course of their amplitude."""
+        if self.steady.trend is None:
+            return self.coherent
+        return with_steady_amplitude(self.coherent, self.alone.amplitude, self.turns, FIRST_ROW).samples
+
+    @cached_property
     def clean(self) -> CoherentSpectrum:
         """Their spectrum."""
         return spectrum_of(self.steady.samples)
