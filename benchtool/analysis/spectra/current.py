@@ -415,8 +415,8 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_thd_f_plus_noise",),
             "%",
-            "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; without "
-            "the course of the amplitude, if it has one",
+            "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
+            "without the course of the amplitude, if it has one",
             "scatter of that power over the electrical periods; that of the fundamental; the power that the "
             "steps of a converter add, at most",
         ),
