@@ -75,18 +75,19 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
             "current_noise_density": floor_A / math.sqrt(2.0 * bin_Hz),
         }
     if spectrum is not None:
-        truths["current_thd_f_plus_noise"] = _thd_plus_noise(what, thd, spectrum)
+        truths["current_thd_f_plus_noise"] = _thd_plus_noise(what, made, thd, spectrum)
     return truths | _ripple(what, made)
 
 
-def _thd_plus_noise(what: Disturbance, thd: float, spectrum: CoherentSpectrum) -> float:
+def _thd_plus_noise(what: Disturbance, made: Record, thd: float, spectrum: CoherentSpectrum) -> float:
     """Return THD with all noise in the band, in percent: of a steady current by what it is made of."""
     only = replace(Disturbance(), **{name: getattr(what, name) for name in _IN_THD_PLUS_NOISE})
-    if what != only or what.kind not in UNCORRELATED:
+    if what != only or what.kind not in UNCORRELATED or is_clean(what):
         return OF_THE_ENSEMBLE
     omega = 2.0 * np.pi * np.arange(1.0, float(len(spectrum.amplitude)), dtype=np.float64) / spectrum.samples
     share = float(np.mean(_density(what.colour, omega))) * 2.0 * spectrum.frequency_Hz[-1] / RATE_HZ
-    noise2 = 2.0 * what.noise**2 * share + sum(relative**2 for _, relative in what.lines)
+    step = 0.0 if made.converter is None else made.converter.step / what.amplitude_A
+    noise2 = 2.0 * (what.noise**2 + step**2 / 12.0) * share + sum(relative**2 for _, relative in what.lines)
     return math.sqrt(thd**2 + 1e4 * noise2)
 
 

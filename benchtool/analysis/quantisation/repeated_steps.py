@@ -72,6 +72,11 @@ class RepeatedSteps:
         return math.sqrt(float(np.mean(np.mean(self.errors * weights, axis=1) ** 2)))
 
     @property
+    def of_square(self) -> float:
+        """The standard deviation, over the ensemble, of the errors' mean square."""
+        return float(np.std(np.mean(self.errors**2, axis=1)))
+
+    @property
     def of_rms(self) -> float:
         """The rms of the change of the waveform's rms about its mean, beyond that by the added power."""
         deviation = self.waveform - np.mean(self.waveform)
@@ -131,6 +136,11 @@ class _OfFewSteps(RepeatedSteps):
     def added_power(self, step: float) -> float:
         read, before = self._squares
         return float(np.mean(read - before))
+
+    @property
+    def of_square(self) -> float:
+        """The standard deviation, over the ensemble, of the errors' mean square."""
+        return float(np.std(np.mean(self.errors**2, axis=1)))
 
     @property
     def of_rms(self) -> float:

@@ -147,7 +147,7 @@ def current_spectrum(
         ),
         *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(with_noise(found.whole, errors, step, basis, channel), sound.of_ratios),
+        *_refused(with_noise(found.whole, errors, basis, channel), sound.of_ratios),
         *_refused(
             group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
@@ -417,8 +417,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
             "without the course of the amplitude, if it has one",
-            "scatter of that power over the electrical periods; that of the fundamental; the power that the "
-            "steps of a converter add, at most",
+            "scatter of that power over the electrical periods; that of the fundamental; where the steps of a "
+            "converter fall, which are part of the noise",
         ),
         Quantity(
             ("current_thd_f_groups",),

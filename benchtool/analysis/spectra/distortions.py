@@ -35,7 +35,6 @@ from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, e
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
-_MOST_OF_STEPS: Final = 1.5  # of a twelfth of their square: those that repeat add more or less than that
 
 
 @dataclass(frozen=True)
@@ -124,16 +123,12 @@ def _corrected(
 
 
 def with_noise(
-    coherent: CoherentSamples,
-    errors: LineErrors,
-    step: float,
-    basis: Basis,
-    channel: str,
+    coherent: CoherentSamples, errors: LineErrors, basis: Basis, channel: str
 ) -> Iterator[Measurement]:
-    """Yield THD_F with the noise in it, of whole periods `coherent`, which are in steps of `step`.
+    """Yield THD_F with the noise in it, of whole periods `coherent`.
 
     Its power differs from period to period: that scatter is of all in it, noise and what is between the
-    harmonics. What the steps add to it is of the converter, and no part of the current.
+    harmonics. The steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017).
     """
     spectrum = spectrum_of(coherent)
     value = distortion_and_noise(spectrum)
@@ -150,17 +145,15 @@ def with_noise(
     by_noise = float(np.linalg.norm(lines * errors.noise[1:])) / (value * amplitude) if value > 0.0 else 0.0
     if by_noise > of_scatter.standard:  # few periods may agree by chance
         of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
-    # the square of an amplitude is twice a mean square
-    of_steps2 = _MOST_OF_STEPS * step**2 / 6.0 / amplitude**2
+    by_steps = (
+        float(np.linalg.norm(lines * errors.resolution[1:])) / (value * amplitude) if value > 0.0 else 0.0
+    )
+    if errors.steps is not None and value > 0.0:  # the square of an amplitude is twice a mean square
+        by_steps = math.hypot(by_steps, errors.steps.of_square / (value * amplitude))
     budget = [
         replace(of_scatter, standard=of_scatter.standard / amplitude),
         Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
-        Contribution(
-            "power that the steps of the converter add",
-            "B",
-            value - math.sqrt(max(0.0, value**2 - of_steps2)),
-            adds_power=True,
-        ),
+        Contribution("resolution", "B", by_steps / amplitude),
     ]
     uncertain = _percent([each for each in budget if each.standard != 0.0])
     yield Measurement(

@@ -119,10 +119,9 @@ def test_thd_with_noise_scatters_by_its_uncertainty(periods: float) -> None:
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.4
 
 
-def test_what_the_steps_of_a_converter_add_to_thd_with_noise_is_uncertain() -> None:
+def test_the_steps_of_a_converter_are_noise_in_thd_with_noise() -> None:
     turned, step = np.arange(8050) / 200.7, 2.1 / 2**7
     found = with_noise(np.round(np.cos(2 * np.pi * turned) / step) * step)
     assert found.uncertainty is not None
     assert found.value == pytest.approx(100.0 * step / math.sqrt(6.0), rel=0.2)
-    assert found.value - found.uncertainty.expanded <= 0.1 * found.value
-    assert any(each.adds_power for each in found.uncertainty.budget)
+    assert found.uncertainty.expanded < 0.1 * found.value
