@@ -17,6 +17,7 @@ _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
 _ONE_VALUE = 1e-10  # of the peak-to-peak: nearer values differ by rounding
 _CRESTS_BY_CHANCE = 1e-4  # of crests of waves in steps
 _LOOKED_AT = 1 << 16  # samples, to count values by
+_RARELY, _LONG = 0.02, 30  # of neighbours are equal; samples in a row
 _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
 _FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
 
@@ -168,26 +169,32 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     a link that repeats its last value; empty if it does not.
 
     Held is what has one value for six samples in a row or more, for longer than by chance (once in a million
-    records) where neighbours are equal as often as here, and then goes on elsewhere: by more than four times
-    of what it usually changes by from sample to sample. The crest of a wave in steps goes on by one of them.
+    records) where neighbours are equal as often as here. Where others are equal at times, as in steps, it
+    goes on elsewhere: by more than four times of what it usually changes by from sample to sample. The crest
+    of a wave in steps goes on by one of them, and is short where neighbours are equal rarely.
     """
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
     if len(moves) < 2:
         return ""
-    runs = np.diff(moves) - 1  # changes of zero between two others
+    begins = np.concatenate([[-1], moves])  # the change before each value that is held
+    runs = np.diff(np.append(begins, len(steps))) - 1  # changes of zero after it
     longest = int(np.argmax(runs))
     held = int(runs[longest]) + 1
-    usual = float(np.median(np.abs(steps[moves])))
-    if held < _FEWEST_HELD or not abs(float(steps[moves[longest + 1]])) > _JUMPS * usual:
+    if held < _FEWEST_HELD:
         return ""
     equal = (len(steps) - len(moves) - (held - 1)) / len(steps)
-    if equal > 0.0 and (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
-        return ""
-    value, row = float(samples[moves[longest] + 1]), int(moves[longest]) + 1
+    if equal > 0.0 and not (equal < _RARELY and held >= _LONG):
+        usual, to_end = float(np.median(np.abs(steps[moves]))), longest in (0, len(begins) - 1)
+        if to_end or not abs(float(steps[moves[longest]])) > _JUMPS * usual:
+            return ""
+        if (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
+            return ""
+    value, row = float(samples[begins[longest] + 1]), int(begins[longest]) + 1
+    after = "the next is elsewhere" if row + held < len(samples) else "it ends so"
     return (
-        f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and the next is "
-        f"elsewhere: the sensor or the link stood still"
+        f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and {after}: "
+        f"the sensor or the link stood still"
     )
 
 

@@ -417,8 +417,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
             "without the course of the amplitude, if it has one",
-            "scatter of that power over the electrical periods; that of the fundamental; where the steps of a "
-            "converter fall, which are part of the noise",
+            "scatter of that power over the electrical periods; that of the fundamental; where the steps of "
+            "a converter fall, which are part of the noise",
         ),
         Quantity(
             ("current_thd_f_groups",),

@@ -102,3 +102,20 @@ def test_crests_in_steps_are_not_clipped() -> None:
         wave += rng.choice([0.0, 1e-3, 1e-2]) * rng.standard_normal(1000)
         step = rng.uniform(0.005, 0.1)
         assert clipping(np.round(wave / step) * step) == ""
+
+
+@pytest.mark.parametrize("digits", [3, 5, 15])
+@pytest.mark.parametrize(
+    ("first", "last"), [(0, 400), (1500, 1560), (1000, 2000), (1000, 1001 + 1500), (4000, 5000)]
+)
+def test_a_sensor_that_stops_is_told_however_long_and_wherever_it_goes_on(
+    digits: int, first: int, last: int
+) -> None:
+    turned = np.arange(5000) / 199.7
+    torque = (
+        1.0 + 0.2 * np.cos(2 * np.pi * 6 * turned) + 1e-3 * np.random.default_rng(1).standard_normal(5000)
+    )
+    torque = np.round(torque, digits)
+    assert not standing(torque)
+    torque[first:last] = torque[first]
+    assert f"{last - first} samples in a row from row {first} (from 0)" in standing(torque, "Nm")
