@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ _FEWEST, _MOST = 10, 60  # rows of a mode
 _SHORTEST, _LONGEST = 2.3, 8.0  # rows of a period: those of more show its peaks
 _DESCRIBED = 3.0  # standard deviations of a sum of squares beyond what noise leaves
 _CLEAR = 20.0  # standard deviations of a sample that the mode has at its beginning, at least
+_OF_A_ROW = 4.0  # of the squares that a row of the mode leaves, over noise
 _RINGS = 5.0  # of them below its level goes the trough after its crest: less is the end of a rise
 _EARLIER = 3  # rows before the greatest sample in which the mode may set in
 _AHEAD, _BESIDE = 0.5, 1.5  # rows of a peak before the first row, and behind the greatest sample, at most
@@ -141,25 +143,36 @@ def ringing_about(samples: Floats, top: int, noise: float) -> Ringing | None:
     `noise` is the standard deviation of a sample, with that of a converter's steps.
     """
     noise = math.hypot(noise, _ROUNDING * float(np.ptp(samples)))
-    for begin in range(max(0, top - _EARLIER), top + 1):
-        piece = samples[begin : begin + _MOST]
-        if len(piece) < _FEWEST:
-            return None
-        found = _fitted(piece, noise)
-        if found is not None:
-            ringing = Ringing(samples, begin, *found)
-            after = ringing.crest.place - begin
-            is_there = -_AHEAD < after < top - begin + _BESIDE
-            # what rings once it has arrived is a click
-            arrives = bool(np.all(samples[:begin] < ringing.level))
-            rings = ringing.level - ringing.trough.height > _RINGS * noise
-            return ringing if is_there and arrives and rings else None
+    first = max(0, top - _EARLIER)
+    fits = [_fitted(samples[begin : begin + _MOST], noise) for begin in range(first, top + 2)]
+    for begin, (fit, later) in enumerate(pairwise(fits), first):
+        # a row that is not of the mode leaves more than one that is
+        if fit is None or (later is not None and fit.square - later.square > _OF_A_ROW):
+            continue
+        ringing = Ringing(samples, begin, fit.constants, fit.covariance)
+        after = ringing.crest.place - begin
+        is_there = -_AHEAD < after < top - begin + _BESIDE
+        # what rings once it has arrived is a click
+        arrives = bool(np.all(samples[:begin] < ringing.level))
+        rings = ringing.level - ringing.trough.height > _RINGS * noise
+        return ringing if is_there and arrives and rings else None
     return None
 
 
-def _fitted(piece: Floats, noise: float) -> tuple[Floats, Floats] | None:
-    """Return the constants of the mode that describes samples, shape (n,), within their noise, and their
-    covariance; None where none does."""
+@dataclass(frozen=True)
+class _Fit:
+    """The constants of a mode and their covariance, and the sum of squares that it leaves, over the noise."""
+
+    constants: Floats
+    covariance: Floats
+    square: float
+
+
+def _fitted(piece: Floats, noise: float) -> _Fit | None:
+    """Return the mode that describes samples, shape (n,), within their noise; None where none does, or they
+    are too few."""
+    if len(piece) < _FEWEST:
+        return None
     before = np.stack([piece[1:-1], piece[:-2], np.ones(len(piece) - 2)], axis=1)
     (first, second, _), *_ = np.linalg.lstsq(before, piece[2:], rcond=None)
     root = complex(np.roots([1.0, -first, -second])[0])
@@ -183,7 +196,7 @@ def _fitted(piece: Floats, noise: float) -> tuple[Floats, Floats] | None:
     if square > dof + _DESCRIBED * math.sqrt(2.0 * dof) or size < _CLEAR * noise:
         return None
     covariance = noise**2 * np.linalg.pinv(jacobian.T @ jacobian)
-    return np.concatenate([rates, linear]), np.asarray(covariance)
+    return _Fit(np.concatenate([rates, linear]), np.asarray(covariance), square)
 
 
 def _linearised(rates: Floats, rows: Floats, piece: Floats) -> tuple[Floats, Floats, Floats]:

@@ -150,3 +150,18 @@ def test_a_rise_that_ends_without_a_trough_beyond_noise_is_no_mode(slope: float)
         rise = np.concatenate([np.zeros(5), np.minimum(1.0, slope * np.arange(1.0, 80.0))]) + noise
         first = int(np.argmax(rise > 0.99))
         assert [ringing_about(rise, first + k, 4e-3) for k in range(3)] == [None] * 3
+
+
+@pytest.mark.parametrize("late", [0.25, 0.5, 0.75])
+def test_a_row_before_the_answer_is_none_of_its_mode(late: float) -> None:
+    """It hardly leaves more than noise does of sixty rows, but a mode with it has other peaks."""
+    values = _answer(FINE, 3.3)
+    trough, errors = float(np.min(values[int(np.argmax(values)) :])), []
+    for seed in range(20):
+        noise = 3e-3 * np.random.default_rng(seed).standard_normal(84)
+        samples = _answer(np.arange(84.0) - 3.0 - late, 3.3) + noise
+        found = ringing_about(samples, int(np.argmax(samples)), 3e-3)
+        if found is not None:
+            errors.append((found.trough.height - trough) / found.trough.height_error)
+    assert len(errors) > 15
+    assert np.sqrt(np.mean(np.square(errors))) < 1.4
