@@ -148,15 +148,22 @@ def _beside(samples: Floats, periods: int) -> MeanError:
 @dataclass(frozen=True)
 class _Component:
     """Magnitude of the mean of one phasor per period, with its uncertainty; `swung` is that of a mean that
-    has the incomplete cycles of a slow swing in it."""
+    has the incomplete cycles of a slow swing in it, `scatter` the standard deviation of the phasors."""
 
     magnitude: float
     swung: float
     budget: tuple[Contribution, ...]
+    scatter: float
 
     @property
     def uncertainty(self) -> Uncertainty | None:
         return combined(self.budget, _SOURCE)
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether it does of its noise, or, where that is not known, of the scatter of its periods."""
+        own = self.uncertainty
+        return self.magnitude > (self.scatter if own is None else _STANDS_OUT * own.standard)
 
 
 def current_unbalance(
@@ -328,6 +335,7 @@ def _component(
             *((Contribution("steps of the converter that repeat", "B", steps),) if steps else ()),
             *((Contribution("what a phase that wanders takes off a magnitude", "B", lost),) if lost else ()),
         ),
+        scatter=float(np.std(sequence.of_periods)),
     )
 
 
@@ -400,9 +408,7 @@ def _numbers(
             uncertainty_reason=_TOO_SLOW if uncertain is None else "",
             sensitivities=sensed(name, 1.0),
         )
-    own = positive.uncertainty
-    lost = positive.magnitude <= 0.0 or (own is not None and positive.magnitude < _STANDS_OUT * own.standard)
-    if lost and not reason:
+    if not positive.stands_out and not reason:
         reason = "the positive sequence does not stand out of the noise"
     for index, number, short in _UNBALANCES:
         text = f"100 x {short}- over positive-{of}; unbalance after IEC 61000-4-30:2015, 5.7.1"

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from benchtool.analysis import current_unbalance, track_angle, track_tone
+from benchtool.analysis.spectra.unbalance import _Component
+from benchtool.analysis.uncertainty import Contribution
 from benchtool.block import Block
 
 RATE_HZ, COUNT = 10_000.0, 6_000
@@ -284,3 +288,20 @@ def test_the_course_of_a_load_is_no_noise_of_its_positive_sequence(
         assert found.uncertainty.standard < 1e-4
         errors.append((found.value - 5.0) / found.uncertainty.standard)
     assert float(np.sqrt(np.mean(np.square(errors)))) < 1.7
+
+
+@pytest.mark.parametrize(
+    ("standard", "scatter", "is_known"),
+    [
+        (0.1, 9.0, True),
+        (0.3, 0.1, False),
+        (math.nan, 0.5, True),
+        (math.nan, 2.0, False),
+    ],
+)
+def test_a_sequence_is_a_reference_if_it_stands_out_of_its_noise_or_else_of_its_scatter(
+    standard: float, scatter: float, is_known: bool
+) -> None:
+    """Of a current without load, which wanders more slowly than the record shows, the noise is not known."""
+    component = _Component(1.0, 1.0, (Contribution("noise along the phasor", "A", standard),), scatter)
+    assert component.stands_out is is_known
