@@ -171,7 +171,8 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     Held is what has one value for six samples in a row or more, for longer than by chance (once in a million
     records) where neighbours are equal as often as here. Where others are equal at times, as in steps, it
     goes on elsewhere: by more than four times of what it usually changes by from sample to sample. The crest
-    of a wave in steps goes on by one of them, and is short where neighbours are equal rarely.
+    of a wave in steps goes on by one of them, and is short where neighbours are equal rarely. Zero,
+    as of a current that is switched off, counts likewise.
     """
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
@@ -184,13 +185,14 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     if held < _FEWEST_HELD:
         return ""
     equal = (len(steps) - len(moves) - (held - 1)) / len(steps)
-    if equal > 0.0 and not (equal < _RARELY and held >= _LONG):
+    value, row = float(samples[begins[longest] + 1]), int(begins[longest]) + 1
+    is_rare = equal == 0.0 or (equal < _RARELY and held >= _LONG)
+    if not is_rare or value == 0.0:
         usual, to_end = float(np.median(np.abs(steps[moves]))), longest in (0, len(begins) - 1)
         if to_end or not abs(float(steps[moves[longest]])) > _JUMPS * usual:
             return ""
-        if (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
+        if equal > 0.0 and (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
             return ""
-    value, row = float(samples[begins[longest] + 1]), int(begins[longest]) + 1
     after = "the next is elsewhere" if row + held < len(samples) else "it ends so"
     return (
         f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and {after}: "
