@@ -184,6 +184,7 @@ from .validity import (
     held_rows as held_rows,
     require_signal as require_signal,
     require_unbroken as require_unbroken,
+    standing as standing,
 )
 from .window import (
     Excitation as Excitation,

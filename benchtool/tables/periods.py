@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from benchtool.analysis import PhaseTrack, track_angle, track_tone
+from benchtool.analysis import PhaseTrack, standing, track_angle, track_tone
 from benchtool.analysis.orders import angle_coverage, revolution_rows, unwrapped_angle
 from benchtool.analysis.phase import PeriodMarks, marks_of_rotor, marks_of_tone
 from benchtool.errors import AnalysisError
@@ -186,7 +186,7 @@ class Periods:
         if share < _LEAST_SHARE and abs(mean) < float(np.std(samples)):
             return f"no sinusoid stands out, the largest has {100 * share:.2g} % of the ripple's power"
         if abs(mean) > _LARGEST_MEAN * amplitude:
-            return (
+            return standing(samples, "A") or (
                 f"its mean is {abs(mean):.3g} A and its largest sinusoid {amplitude:.3g} A peak, that of a "
                 f"phase current has a mean near zero: an offset can be taken off in the option, as ':A-0.2'; "
                 f"dc and a current in rotating coordinates have no fundamental"

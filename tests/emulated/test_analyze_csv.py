@@ -481,3 +481,13 @@ def test_a_stated_rate_has_no_stamps_and_no_jitter(invoke: Invoke) -> None:
     assert "clock" not in frequency["uncertainty"]["source"]
     assert frequency["basis"]["sensors"] == "the tolerance of the record's clock is not stated"
     assert "time: even, at the stated 10000 Hz" in invoke(*at_rate).stdout
+
+
+def test_a_current_that_stands_still_has_no_offset_to_take_off(invoke: Invoke) -> None:
+    time_s, current, angle = sinusoid(43.7)
+    current = current + 1e-3 * np.random.default_rng(4).standard_normal(len(current))
+    current[4_000:8_000] = current[4_000]
+    write("stuck.csv", "t,I,a", [time_s, current, angle])
+    arguments = ("--csv", "stuck.csv", "--time", "t", "--current", "I", "--angle", "a", "--pole-pairs", "4")
+    case = measured(invoke(*arguments, "--json"))
+    assert "4000 samples in a row from row 4000" in case["measurements"]["current_fundamental"]["reason"]
