@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
@@ -138,18 +139,23 @@ def with_noise(
         yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
         return
     base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
-    amplitude = spectrum.fundamental
+    amplitude, lines = spectrum.fundamental, spectrum.amplitude[2 * spectrum.periods :: spectrum.periods]
+    rest = value * amplitude
+
+    def by_lines(of_lines: NDArray[np.float64]) -> float:
+        """Return by how much errors of the harmonics move the amplitude of all but the fundamental."""
+        moved = lines[: len(of_lines) - 1] * of_lines[1:]
+        return float(np.linalg.norm(moved)) / rest if rest > 0.0 else 0.0
+
     scatter = _scatter_of_power(coherent, spectrum)
+    # the square of an amplitude is twice a mean square
     of_scatter = scatter.line(f"scatter of its power over {coherent.periods} electrical periods", 2**0.5)
-    lines = spectrum.amplitude[2 * spectrum.periods :: spectrum.periods][: len(errors.noise) - 1]
-    by_noise = float(np.linalg.norm(lines * errors.noise[1:])) / (value * amplitude) if value > 0.0 else 0.0
-    if by_noise > of_scatter.standard:  # few periods may agree by chance
+    if by_lines(errors.noise) > of_scatter.standard:  # few periods may agree by chance
+        by_noise = by_lines(errors.noise)
         of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
-    by_steps = (
-        float(np.linalg.norm(lines * errors.resolution[1:])) / (value * amplitude) if value > 0.0 else 0.0
-    )
-    if errors.steps is not None and value > 0.0:  # the square of an amplitude is twice a mean square
-        by_steps = math.hypot(by_steps, errors.steps.of_square / (value * amplitude))
+    by_steps = by_lines(errors.resolution)
+    if errors.steps is not None and rest > 0.0:
+        by_steps = math.hypot(by_steps, errors.steps.of_square / rest)
     budget = [
         replace(of_scatter, standard=of_scatter.standard / amplitude),
         Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
