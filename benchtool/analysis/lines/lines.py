@@ -48,7 +48,6 @@ _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
 _STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
-_NONE = "no line stands out of the noise"
 _NEARLY, _HALF = 0.9, 0.5  # of an amplitude
 _MOST_PLACES, _WHOLE = 1 << 16, 0.1
 
@@ -108,13 +107,13 @@ def spectral_lines(
         ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
     )
     if not rows:
-        reason = clipped or drifts or _NONE
+        reason = clipped or drifts or "no line stands out of the noise"
         if count < _FEWEST:
             reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
         frequency, amplitude = (
             Measurement.undefined(f"{name}_line_{key}", of, text, reason, basis) for key, of, text in texts
         )
-        if reason == _NONE:
+        if not (clipped or drifts or count < _FEWEST):
             amplitude = replace(amplitude, below=_least_that_stands_out(bins))
         return SpectralLines((frequency, amplitude), (_table(name, (), channel, unit, what, basis),))
     listed = tuple(

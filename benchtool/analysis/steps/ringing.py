@@ -144,7 +144,7 @@ def ringing_about(samples: Floats, top: int, noise: float) -> Ringing | None:
     """
     noise = math.hypot(noise, _ROUNDING * float(np.ptp(samples)))
     first = max(0, top - _EARLIER)
-    fits = [_fitted(samples[begin : begin + _MOST], noise) for begin in range(first, top + 2)]
+    fits = (_fitted(samples[begin : begin + _MOST], noise) for begin in range(first, top + 2))
     for begin, (fit, later) in enumerate(pairwise(fits), first):
         # a row that is not of the mode leaves more than one that is
         if fit is None or (later is not None and fit.square - later.square > _OF_A_ROW):

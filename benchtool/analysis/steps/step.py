@@ -93,24 +93,19 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     return StepResponse(found, step.row)
 
 
-def _rest(step: Step, curve: NoisyCurve, settled: Instant, band: float) -> int:
-    """Return the row from which on a signal that has `settled` within a `band` is at rest.
+def _rest(step: Step, settled: Instant, tail: Tail) -> int:
+    """Return the row from which on a signal that has `settled` is at rest.
 
     After m times as long since the step, or since a pulse fell, an exponential decay has left the m-th power
     of the 2 % that it had: so many that this is little against the noise, which it would be taken for. Of
-    several the slowest is left, and decays as fast as it leaves the outer half of the band.
+    several the slowest is left, its `tail`.
     """
     times = _AT_REST
     if (noise := LITTLE * step.y_noise.rms) > 0.0:
         times = max(times, math.log(noise / step.height) / math.log(_ARRIVED))
     begin = math.ceil(step.fall + times * max(0.0, settled.place - step.fall))
-    later = _tail(step, curve, band).end(step.y_noise.rms)
+    later = tail.end(step.y_noise.rms)
     return later if begin < later <= (1.0 - _LONGER * TAIL) * len(step.y) else begin
-
-
-def _tail(step: Step, curve: NoisyCurve, band: float) -> Tail:
-    """Return the slowest tail of the answer, about the level at the end."""
-    return Tail.of(curve.values - float(np.mean(step.y_clear[-step.tail :])), band)
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
@@ -169,11 +164,12 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     settled = curve.last_outside(step.final, band, step.fall)
     if settled is None or not math.isfinite(settled.standard):
         return curve, step.y_clear[len(step.y) // 2 :]
-    rest = _rest(step, curve, settled, band)
+    tail = Tail.of(curve.values - float(np.mean(step.y_clear[-step.tail :])), band)
+    rest = _rest(step, settled, tail)
     at_rest = step.y_clear[rest:]
-    tail = _tail(step, curve, band).goes_on_in(at_rest, rest)
-    if tail is not None:
-        at_rest = at_rest - tail + tail[-1]
+    course = tail.goes_on_in(at_rest, rest)
+    if course is not None:
+        at_rest = at_rest - course + course[-1]
     if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve, at_rest
     noise = Noise.of(step.y_before, at_rest)
