@@ -38,11 +38,6 @@ _MOST_COLUMNS = 7
 _MOST_NAMED = 4
 
 
-def measured(measurement: Measurement) -> str:
-    """Return its value with its expanded uncertainty for 95 %, if it has one, or what it is less than."""
-    return measurement.text
-
-
 def show_run(output: Output, title: str, result: RunResult, tabulate: Sequence[str] = ()) -> None:
     """Print what every case of a run measured, and its verdicts."""
     if len(result.assessments) == 1:
@@ -235,7 +230,7 @@ def _show_judged(output: Output, case: str, judged: Sequence[JudgedTogether]) ->
     rows = [
         (
             each.name,
-            NOTHING if each.measured is None else measured(each.measured),
+            NOTHING if each.measured is None else each.measured.text,
             "" if each.measured is None else each.measured.unit,
             each.limit.bounds,
             verdict_text(each),
@@ -271,7 +266,7 @@ def _cell(case: Assessment, name: str) -> Text:
     found = next((each for each in case.measurements if each.name == name), None)
     published = f" ({raw(case.published[name])})" if name in case.published else ""
     verdict = case.verdicts.get(name)
-    text = f"{NOTHING if found is None else measured(found)}{published}"
+    text = f"{NOTHING if found is None else found.text}{published}"
     return Text(text, style=VERDICT_COLOURS[verdict] if verdict else "")
 
 
@@ -292,7 +287,7 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
         )
         cells = (
             each.name,
-            measured(each),
+            each.text,
             *beside,
             each.unit,
             bounds,

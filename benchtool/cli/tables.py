@@ -12,7 +12,6 @@ from benchtool.analysis import pulse_note, raw, sensor_remarks, undefined, witho
 from benchtool.cli import options
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
-from benchtool.cli.results import measured
 from benchtool.errors import RecordingError, UsageError
 from benchtool.profile import load_bench
 from benchtool.recording import Conditions, enlist
@@ -90,7 +89,7 @@ def keep_table(
 def show_table(output: Output, answer: TableAnswer) -> None:
     """Print measurements, reasons for undefined ones, and what was read."""
 
-    rows = [(each.name, measured(each), each.unit) for each in answer.measurements]
+    rows = [(each.name, each.text, each.unit) for each in answer.measurements]
     output.table(str(answer.source["file"]), ("measurement", ">value ± U (95 %)", "unit"), rows)
     for reason, names in undefined(answer.measurements).items():
         output.sentence(f"undefined: {', '.join(names)}: {reason}")

@@ -11,7 +11,6 @@ from rich.text import Text
 from benchtool.analysis import NOTHING, number, signed
 from benchtool.cli import options
 from benchtool.cli.output import Output
-from benchtool.cli.results import measured
 from benchtool.errors import UsageError
 from benchtool.report import draw_twin
 from benchtool.results import Twin, incomplete_runs, twins
@@ -67,7 +66,7 @@ def _show(output: Output, twin: Twin) -> None:
         (
             each.name,
             number(each.believed),
-            measured(each.estimate) if each.told else NOTHING,
+            each.estimate.text if each.told else NOTHING,
             signed(each.percent, 3) if each.told and each.believed else NOTHING,
             each.estimate.unit,
             Text("wrong", style="red") if each.contradicts else "" if each.told else "not told",
