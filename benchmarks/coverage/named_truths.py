@@ -56,7 +56,6 @@ def of_harmonics(amplitudes: Mapping[int, float]) -> dict[str, float]:
             (size for order, size in others.items() if order < _LOW_ORDERS), default=0.0
         ),
         "current_thd_f": 100.0 * thd,
-        "current_thd_f_noise_corrected": 100.0 * thd,
         "current_thd_r": 100.0 * thd / math.hypot(1.0, thd),
     }
 

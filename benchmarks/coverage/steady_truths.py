@@ -50,7 +50,6 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
         "fundamental_frequency": made.frequency_Hz,
         "current_fundamental": fundamental_A,
         "current_thd_f": thd,
-        "current_thd_f_noise_corrected": thd,
         "current_thd_r": 100.0 / math.sqrt(1.0 + (100.0 / thd) ** 2) if thd else 0.0,
         "current_tdd": thd * fundamental_A / (math.sqrt(2.0) * RATED_A_RMS),
         "current_thd_f_subgroups": OF_THE_ENSEMBLE,

@@ -383,32 +383,25 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_thd_f",),
             "%",
-            "100 sqrt(A_2^2 + ... + A_H^2) / A_1: THD_F, after IEC 61000-4-7:2002+A1:2008",
-            "of the A_k, propagated to first order, from the bins beside all of them at once, with what "
-            "modulates them alike, and beside it (root of the sum of squares) what noise and repeated "
-            "quantisation add: `current_thd_f` - `current_thd_f_noise_corrected`, of quantisation with two "
-            "standard deviations of its own",
-            headline=True,
-        ),
-        Quantity(
-            ("current_thd_f_noise_corrected",),
-            "%",
-            "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics "
-            "2 to H and of what repeated quantisation adds to them on average",
+            "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics 2 "
+            "to H and of what repeated quantisation adds to them on average: THD_F, after IEC "
+            "61000-4-7:2002+A1:2008, but without the noise",
             "half of the longer side of sqrt(x +- 2 u), x what stands under the root, u from the noise in "
-            "the harmonics, the floor's own uncertainty and the scatter of what quantisation adds; and "
-            "those of the A_k that are of type B",
+            "the harmonics, with what modulates them alike, the floor's own uncertainty and the scatter of "
+            "what quantisation adds, and what averages of roots of which half are cut off at zero keep; and "
+            "those of the A_k that are of type B, propagated to first order",
+            headline=True,
         ),
         Quantity(
             ("current_thd_r",),
             "%",
-            "100 sqrt(A_2^2 + ... + A_H^2) / sqrt(A_1^2 + ... + A_H^2) = THD_F / sqrt(1 + THD_F^2)",
+            "100 sqrt(S) / sqrt(A_1^2 + S) = THD_F / sqrt(1 + THD_F^2), S under the root of THD_F",
             "likewise",
         ),
         Quantity(
             ("current_tdd",),
             "%",
-            "100 sqrt(A_2^2 + ... + A_H^2) / (sqrt(2) I_N); after IEEE Std 519-2022, but of one record and "
+            "100 sqrt(S) / (sqrt(2) I_N); after IEEE Std 519-2022, but of one record, without the noise and "
             "with the machine's rated current as our reference",
             "likewise",
         ),

@@ -57,7 +57,7 @@ def distortions(
     current_rated_A_rms: float | None,
     unit: str,
 ) -> Iterator[Measurement]:
-    """Yield THD_F, also without its noise, THD_R and, where the rated current is known, TDD."""
+    """Yield THD_F, THD_R and, where the rated current is known, TDD."""
     bases = [
         ("current_thd_f", Reference.FUNDAMENTAL, 0.0, "fundamental"),
         ("current_thd_r", Reference.TOTAL, 0.0, Reference.TOTAL.value),
@@ -69,58 +69,55 @@ def distortions(
     for name, reference, stated, base in bases:
         distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
         last = distortion.highest_harmonic
-        text = f"100 x root of the sum of squares of harmonics 2 to {last} / {base}"
+        text = (
+            f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them and "
+            f"repeated quantisation add to it), at least 0, / {base}"
+        )
         if reference is Reference.STATED:
             text += ": after IEEE Std 519-2022, which has the maximum demand load current there"
         to_last = replace(basis, bandwidth_Hz=last * spectrum.fundamental_Hz, harmonics=last, reference=base)
-        if last < 2 or math.isnan(distortion.ratio):
+        if last < 2 or math.isnan(distortion.with_noise):
             reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
             yield Measurement.undefined(name, "%", text, reason, to_last)
             continue
-        source = (
-            f"{', '.join(each.name for each in distortion.budget)}; noise and repeated quantisation alone "
-            f"would read {raw(100 * distortion.noise, 2)} %, and add up to {raw(100 * distortion.bias, 2)} %"
-        )
-        at_most = "; at most: less than twice what noise alone reads" if distortion.is_upper_bound else ""
-        uncertain = _with_bias(distortion, source)
-        value, why = 100.0 * distortion.ratio, errors.unknown if uncertain is None else ""
         own = of_ratio
         if reference is Reference.STATED:
+            value = 100.0 * distortion.ratio
             own = Sensitivities((Sensitivity(channel, value),), Harmonics(spectrum.fundamental_Hz))
-        yield Measurement(
-            name,
-            value,
-            "%",
-            text + at_most,
-            to_last,
-            uncertain,
-            uncertainty_reason=why,
-            sensitivities=own,
-        )
-        if reference is Reference.FUNDAMENTAL:
-            yield _corrected(distortion, errors, last, to_last, of_ratio)
+        yield _distortion(name, distortion, text, to_last, errors.unknown, own)
+
+
+def _distortion(
+    name: str,
+    distortion: Distortion,
+    definition: str,
+    basis: Basis,
+    unknown: str,
+    sensitivities: Sensitivities,
+) -> Measurement:
+    """Return a distortion without the power of its noise, undefined where that is not known."""
+    if math.isnan(distortion.ratio):
+        reason = "fewer than 8 bins are between harmonics: record longer"
+        return Measurement.undefined(name, "%", definition, reason, basis)
+    source = (
+        f"{', '.join(each.name for each in distortion.budget)}; noise and repeated quantisation alone would "
+        f"read {raw(100 * distortion.noise, 2)} %, with which it is {raw(100 * distortion.with_noise, 4)} %"
+    )
+    found = combined(distortion.budget, source)
+    return Measurement(
+        name,
+        100.0 * distortion.ratio,
+        "%",
+        definition,
+        basis,
+        None if found is None else found.scaled(100.0),
+        uncertainty_reason=unknown if found is None else "",
+        sensitivities=sensitivities,
+    )
 
 
 def _of_ratio(channel: str, spectrum: CoherentSpectrum) -> Sensitivities:
     return Sensitivities((Sensitivity(channel),), Harmonics(spectrum.fundamental_Hz, as_ratio=True))
-
-
-def _corrected(
-    distortion: Distortion, errors: LineErrors, last: int, basis: Basis, sensitivities: Sensitivities
-) -> Measurement:
-    name = "current_thd_f_noise_corrected"
-    text = (
-        f"100 x root of (sum of squares of harmonics 2 to {last} - what the noise floor around them and "
-        f"repeated quantisation add to it), at least 0, / fundamental"
-    )
-    if math.isnan(distortion.corrected):
-        reason = "fewer than 8 bins are between harmonics: record longer"
-        return Measurement.undefined(name, "%", text, reason, basis)
-    uncertain = _percent(distortion.corrected_budget)
-    value, why = 100.0 * distortion.corrected, errors.unknown if uncertain is None else ""
-    return Measurement(
-        name, value, "%", text, basis, uncertain, uncertainty_reason=why, sensitivities=sensitivities
-    )
 
 
 def with_noise(
@@ -198,7 +195,7 @@ def group_distortions(
     if groups is not None:  # the last harmonics may be without a whole group
         errors = errors.first(groups.orders)
     distortion = total_harmonic_distortion(spectrum, len(errors.noise), errors=errors)
-    lines = [each for each in distortion.budget[:-1] if each.name != "fundamental"]
+    lines = [each for each in distortion.of_lines if each.name != "fundamental"]
     by_noise = combined(lines, "")
     of_order_1 = _relative(distortion)
     noise = None
@@ -226,7 +223,7 @@ def group_distortions(
             yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
             continue
         clean = groups if beside is None else beside.without
-        value = group_distortion(clean, kind, noise, of_order_1, distortion.ratio, of_bursts)
+        value = group_distortion(clean, kind, noise, of_order_1, distortion.with_noise, of_bursts)
         if groups.orders > 1:
             value = replace(value, ratio=ratio_of(groups.of(kind)))
         text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after {_STANDARD}"
@@ -264,8 +261,8 @@ def group_distortions(
 def _relative(distortion: Distortion) -> float:
     """Return the relative standard uncertainty of the fundamental, but for what the harmonics have in common
     with it; nan where it is not known."""
-    own = [each.standard for each in distortion.budget if each.name == "fundamental"]
-    return own[0] / distortion.ratio if own and distortion.ratio > 0.0 else math.nan
+    own = [each.standard for each in distortion.of_lines if each.name == "fundamental"]
+    return own[0] / distortion.with_noise if own and distortion.with_noise > 0.0 else math.nan
 
 
 def group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:
@@ -283,17 +280,6 @@ def group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis)
 
 def _over(windows: int) -> str:
     return "one of them" if windows == 1 else f"rms over {windows} of them"
-
-
-def _with_bias(distortion: Distortion, source: str) -> Uncertainty | None:
-    """Return the uncertainty of a ratio that noise biases upwards: the interval of the rest, and the bias
-    once."""
-    *rest, bias = distortion.budget
-    random = combined(rest, source)
-    if random is None or not math.isfinite(bias.standard):
-        return None
-    found = combined(distortion.budget, source, half_width=math.hypot(random.expanded, bias.standard))
-    return None if found is None else found.scaled(100.0)
 
 
 def _percent(budget: Iterable[Contribution]) -> Uncertainty | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -14,14 +14,15 @@ from benchtool.analysis.coherent.spectrum import CoherentSpectrum, harmonics
 from benchtool.analysis.measurement import Basis, LineColumn, Table
 from benchtool.analysis.noise.noise import noise_floor
 from benchtool.analysis.noise.noise_of_lines import contribution_of_noise
-from benchtool.analysis.spectra.line_errors import SURE_OF_STEPS, LineErrors, line_errors
+from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum
 from benchtool.analysis.statistics.scatter import MeanError
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
 
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
 _CLEARLY = 6.0  # a ratio of variances
+_CUT_OFF = 0.5  # of the root of a standard deviation: 0.41, and what scatters about it in means of many
 _BELOW_THAT = 1.25  # noise alone reads up to 2.45 u in 95 % of records (Rayleigh)
 
 
@@ -42,53 +43,38 @@ class Reference(Enum):
 class Distortion:
     """A distortion as a ratio, from harmonics 2 to `highest_harmonic`.
 
-    Noise adds its power to that of the harmonics, so that `ratio`, as measured, is high. `noise` is what that
-    noise alone would read, `corrected` the ratio with its power taken out again (0 where nothing is left),
-    `bias` how much less that is. `budget` is of `ratio`, the bias included, `corrected_budget` of
-    `corrected`. All but `ratio` are nan where the noise is unknown.
+    Noise adds its power to that of the harmonics: `noise` is what it alone would read, `with_noise` the ratio
+    with it, whose own uncertainty is `of_lines`. `ratio` is without that power, 0 where nothing is left, and
+    `budget` is its uncertainty. All but `with_noise` are nan where the noise is not known.
     """
 
     ratio: float
     highest_harmonic: int
     noise: float
-    corrected: float
+    with_noise: float
     budget: tuple[Contribution, ...]
-    corrected_budget: tuple[Contribution, ...]
-
-    @property
-    def bias(self) -> float:
-        return self.ratio - self.corrected
+    of_lines: tuple[Contribution, ...]
 
     @property
     def standard(self) -> float:
         """Standard uncertainty of `ratio`."""
         return math.sqrt(sum(each.standard**2 for each in self.budget))
 
-    @property
-    def corrected_standard(self) -> float:
-        """Standard uncertainty of `corrected`."""
-        return math.sqrt(sum(each.standard**2 for each in self.corrected_budget))
-
-    @property
-    def is_upper_bound(self) -> bool:
-        """Whether the ratio is less than twice what noise alone reads, and thus only an upper bound."""
-        return self.ratio < 2.0 * self.noise
-
 
 @dataclass(frozen=True)
 class _Content:
     """Root of the sum of squares of the harmonics, in the signal's unit, and the effect of noise on it.
 
-    `budget` is without the bias of the noise, `alone` is the root of the noise's expected sum of squares, the
-    steps' included; `least` is left where the steps add two standard deviations more than expected.
+    `alone` is the root of the noise's expected sum of squares, that of repeated steps included, and `left`
+    what is left without it. `of_left` is the effect of noise on that, `of_lines` the uncertainty of what was
+    `measured`.
     """
 
     measured: float
     alone: float
-    corrected: float
-    corrected_random: float
-    least: float
-    budget: tuple[Contribution, ...]
+    left: float
+    of_left: tuple[Contribution, ...]
+    of_lines: tuple[Contribution, ...]
 
 
 def relative_phase_rad(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
@@ -111,9 +97,10 @@ def total_harmonic_distortion(
     """Return the THD_F, THD_R or TDD: root of the sum of squares of harmonics 2 to `highest_harmonic` over a
     reference.
 
-    Harmonics beyond the spectrum's band do not count. The ratio is nan where the reference is zero. The
-    standard uncertainty is that of each amplitude, by `errors` (`line_errors` of the spectrum alone),
-    propagated to first order (JCGM 100:2008, 5.1.2), and the bias of the noise. THD_F is that of IEC
+    Harmonics beyond the spectrum's band do not count. The ratio is nan where the reference is zero. What
+    noise and repeated steps of a converter add to the sum of squares is taken out of it: a known effect is
+    corrected (JCGM 100:2008, 3.2.4). The standard uncertainty is that of each amplitude, by `errors`
+    (`line_errors` of the spectrum alone), propagated to first order (5.1.2). THD_F is that of IEC
     61000-4-7:2002+A1:2008; TDD as here, of one record and with the rated current of the machine as its base,
     is a definition of this project, after IEEE Std 519-2022, whose base is the maximum demand load current at
     the point of common coupling.
@@ -141,7 +128,7 @@ def total_harmonic_distortion(
                 share, ratio = _ratio(fundamental, base), _ratio(value, base)
                 return ratio, _ratio(share**2, base), _ratio(share * ratio, base)
 
-    ratio, slope, by_fundamental = over(total)
+    with_noise, slope, by_fundamental = over(total)
     common = _in_common(spectrum, amplitude, errors, slope, by_fundamental)
     content = _content(spectrum, amplitude, errors, common)
     of_fundamental = errors.budget(0, of_ratio=True)
@@ -150,24 +137,21 @@ def total_harmonic_distortion(
 
     def budget(
         contributions: Iterable[Contribution], slope: float, by_fundamental: float
-    ) -> list[Contribution]:
-        own = [replace(each, standard=slope * each.standard) for each in contributions]
+    ) -> tuple[Contribution, ...]:
+        own = [each.scaled(slope) for each in contributions]
         base = combined(of_fundamental, "") or Uncertainty(math.nan, "")
         of_base = Contribution("fundamental", "A", by_fundamental * base.standard, base.dof)
-        return [*own, of_base] if by_fundamental else own
+        return (*own, of_base) if by_fundamental else tuple(own)
 
-    corrected, corrected_slope, corrected_by = over(content.corrected)
-    least = over(content.least)[0]
-    bias = Contribution("power that the noise adds", "B", ratio - least, adds_power=True)
-    random = Contribution("noise in the harmonics and the floor", "A", content.corrected_random)
-    systematic = [each for each in content.budget if each.evaluation == "B"]
+    systematic = [each for each in content.of_lines if each.evaluation == "B"]
+    ratio, slope_of_left, by_base = over(content.left)
     return Distortion(
         ratio=ratio,
         highest_harmonic=len(amplitude),
         noise=over(content.alone)[0],
-        corrected=corrected,
-        budget=(*budget(content.budget, slope, by_fundamental), bias),
-        corrected_budget=tuple(budget([random, *systematic], corrected_slope, corrected_by)),
+        with_noise=with_noise,
+        budget=budget([*content.of_left, *systematic], slope_of_left, by_base),
+        of_lines=budget(content.of_lines, slope, by_fundamental),
     )
 
 
@@ -229,11 +213,7 @@ def _content(
     deviation = (
         math.hypot(math.sqrt(variance), of_floor, repeated2_apart) if math.isfinite(variance) else math.nan
     )
-    left = max(0.0, measured**2 - alone2) if math.isfinite(alone2) else math.nan
-    # the root is steep at zero: half of the longer side of two deviations, so that twice it covers as many
-    corrected = math.sqrt(left)
-    above = math.sqrt(left + 2.0 * deviation) - corrected
-    below = corrected - math.sqrt(max(0.0, left - 2.0 * deviation)) if math.isfinite(deviation) else math.nan
+    left2 = max(0.0, measured**2 - alone2) if math.isfinite(alone2) else math.nan
 
     def weighted(standard: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the share of each harmonic in an uncertainty of the content."""
@@ -258,10 +238,31 @@ def _content(
     return _Content(
         measured,
         math.sqrt(alone2),
-        corrected,
-        0.5 * max(above, below),
-        math.sqrt(max(left - SURE_OF_STEPS * repeated2_apart, 0.0)),
+        math.sqrt(left2),
+        _of_root(left2, deviation),
         tuple(each for each in budget if each.standard != 0.0),
+    )
+
+
+def _of_root(square: float, deviation: float) -> tuple[Contribution, ...]:
+    """Return the uncertainty of the root of a square, at least 0, whose standard deviation is known.
+
+    The root is steep at zero: its expanded uncertainty is the longer side of the roots of two standard
+    deviations of the square. Of a signal that has none, half of the squares are cut off at zero: the roots
+    are 0.41 times the root of the standard deviation on average, which the mean of many records keeps.
+    """
+    name = "noise in the harmonics and the floor"
+    if not (math.isfinite(square) and math.isfinite(deviation)):
+        return (Contribution(name, "A", math.nan),)
+    root, least2 = math.sqrt(square), max(0.0, square - 2.0 * deviation)
+    above, below = math.sqrt(square + 2.0 * deviation) - root, root - math.sqrt(least2)
+    standard = max(above, below) / coverage_factor(math.inf)
+    if least2 > 0.0 or not deviation:
+        return (Contribution(name, "A", standard),)
+    cut_off = min(standard, _CUT_OFF * math.sqrt(deviation))
+    return (
+        Contribution(name, "A", math.sqrt(standard**2 - cut_off**2)),
+        Contribution("power below zero that is cut off", "B", cut_off, adds_power=True),
     )
 
 

@@ -17,7 +17,7 @@ from benchtool.analysis.spectra.modulation import is_modulated_alike, wander_of_
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution
 
-SURE_OF_STEPS = 2.0
+_SURE_OF_STEPS = 2.0
 """Standard deviations above the power that steps add on average, which it hardly exceeds."""
 
 
@@ -68,7 +68,7 @@ class LineErrors:
     def most_power_of_steps(self) -> float:
         """Sum of the squares that a converter adds to the amplitudes of harmonics 2 and above, at most."""
         power, apart = self.power_of_steps
-        return power + SURE_OF_STEPS * apart
+        return power + _SURE_OF_STEPS * apart
 
     @property
     def power_of_steps(self) -> tuple[float, float]:

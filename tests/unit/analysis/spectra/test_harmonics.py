@@ -202,5 +202,5 @@ def test_noise_alone_that_is_large_by_chance_beside_one_of_many_harmonics_is_non
         signal = wave(theta_e, [0.0, 0.0, 0.0, small], random.uniform(0, 2 * np.pi, 5))
         spectrum = coherent_spectrum(signal + 2e-2 * random.standard_normal(len(theta_e)), RATE_HZ, track)
         distortion = total_harmonic_distortion(spectrum, orders)
-        found.append((distortion.corrected - small) / distortion.corrected_standard)
+        found.append((distortion.ratio - small) / distortion.standard)
     assert 0.72 < float(np.sqrt(np.mean(np.square(found)))) < 1.2
