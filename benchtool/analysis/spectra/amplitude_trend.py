@@ -39,7 +39,8 @@ class AmplitudeTrend:
     `of_level` its standard uncertainty against the mean over periods; `apart` is by how much that mean is off
     it; `deviation` is that and how far a mean over phases is from one over time. `rest`, shape (periods,), is
     what the course, `over_periods`, leaves of the amplitudes, `growth` by how much it grows from the begin of
-    the first period to the end of the last; a step is no growth. A sinusoid has so many `cycles`.
+    the first period to the end of the last; a step is no growth. A sinusoid has so many `cycles`; `is_step`
+    tells that it is one value before an edge, and another after it.
     """
 
     curve: Callable[[Floats], Floats]
@@ -51,11 +52,7 @@ class AmplitudeTrend:
     over_periods: Floats
     growth: float
     cycles: float
-
-    @property
-    def is_step(self) -> bool:
-        """Whether it is one value before an edge, and another after it."""
-        return isinstance(self.curve, _Step)
+    is_step: bool
 
 
 def amplitude_trend(
@@ -83,9 +80,7 @@ def amplitude_trend(
     place = 0.5 * (edges[1:] + edges[:-1])
     for found in _curves(relative, edges, 0.5 * (1.0 + after - before)):
         curve, about, slopes = found.curve, found.about, found.slopes
-        over_periods = curve(place)
-        if isinstance(curve, _Step | _Settling):
-            over_periods = curve.mean(edges[:-1], edges[1:])
+        over_periods = curve(place) if found.mean is None else found.mean(edges[:-1], edges[1:])
         rest = relative - over_periods
         left = float(np.mean(rest**2)) / power
         if left > found.left or (left > _WITHOUT_DOUBT and neighbours_alike(rest) > _ALIKE):
@@ -94,13 +89,11 @@ def amplitude_trend(
         points, whole = np.interp(count * phases, numbers, edges), (1.0 + before + after) * phases - before
         course = curve(points)
         level = float(np.mean(curve(whole))) if about is None else about
-        of_edge = 0.0
-        if isinstance(curve, _Step):
-            level = float(curve.mean(-before, 1.0 + after))
-            of_edge = _OF_EDGE * abs(curve.after - curve.before) / count
+        if found.mean is not None:
+            level = float(found.mean(-before, 1.0 + after))
         apart = float(np.mean(course)) - level
         begin, end = curve(np.array([0.0, 1.0]))
-        growth = 0.0 if isinstance(curve, _Step) else float(end - begin)
+        height, growth = (float(end - begin), 0.0) if found.is_step else (0.0, float(end - begin))
         by_constants = np.mean(slopes(points), axis=0)
         by_constants -= np.mean(slopes(whole), axis=0) if about is None else np.eye(len(by_constants))[0]
         # the constants have the covariance (S^T S)^-1 of noise (JCGM 102:2011, 6.2.1.3)
@@ -109,13 +102,14 @@ def amplitude_trend(
         return AmplitudeTrend(
             curve=curve,
             level=level,
-            of_level=math.hypot(math.sqrt(noise2 * float(by_values @ by_values)), of_edge),
+            of_level=math.hypot(math.sqrt(noise2 * float(by_values @ by_values)), _OF_EDGE * height / count),
             deviation=math.hypot(apart, bent * _OF_TIME * found.bend),
             apart=abs(apart),
             rest=rest,
             over_periods=over_periods,
             growth=growth,
             cycles=found.cycles,
+            is_step=found.is_step,
         )
     return None
 
@@ -123,8 +117,8 @@ def amplitude_trend(
 @dataclass(frozen=True)
 class _Fitted:
     """A curve over a record, from 0 to 1, that may leave so much of the variance: the constant that it is
-    `about`, if it is about one, its bend, its slopes by its constants, shape (places, constants), and its
-    cycles, if it is a sinusoid."""
+    `about`, if it is about one, its bend, its slopes by its constants, shape (places, constants), its cycles,
+    if it is a sinusoid, and its mean from one place to another, where a point of each period is too few."""
 
     curve: Callable[[Floats], Floats]
     slopes: Callable[[Floats], Floats]
@@ -132,6 +126,8 @@ class _Fitted:
     bend: float = 0.0
     cycles: float = 0.0
     left: float = _LEFT
+    mean: Callable[[Floats | float, Floats | float], Floats] | None = None
+    is_step: bool = False
 
 
 def _curves(relative: Floats, edges: Floats, middle: float) -> Iterator[_Fitted]:
@@ -142,9 +138,9 @@ def _curves(relative: Floats, edges: Floats, middle: float) -> Iterator[_Fitted]
         bend = 0.5 * float(line.deriv(2)(0.0)) if degree == 2 else 0.0
         yield _Fitted(line, partial(_powers, degree), bend=abs(bend))
     step = _step(relative, edges)
-    yield _Fitted(step, step.slopes)
+    yield _Fitted(step, step.slopes, mean=step.mean, is_step=True)
     settling = _settling(relative, edges)
-    yield _Fitted(settling, settling.slopes)
+    yield _Fitted(settling, settling.slopes, mean=settling.mean)
     yield from _swing(relative, place)
     yield from _swing(relative, place, middle)
 
