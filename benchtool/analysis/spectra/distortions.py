@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -17,6 +17,7 @@ from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.groups import (
     FEWEST_WINDOWS,
     PERIODS_PER_WINDOW,
+    GroupDistortion,
     HarmonicGroups,
     Kind,
     group_distortion,
@@ -36,6 +37,10 @@ from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, e
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
+_NAMES: Final[Mapping[Kind, str]] = {
+    "group": "current_thd_f_groups",
+    "subgroup": "current_thd_f_subgroups",
+}
 
 
 @dataclass(frozen=True)
@@ -192,70 +197,79 @@ def group_distortions(
 ) -> Iterator[Measurement]:
     """Yield the distortions by groups and by subgroups; undefined without `groups`. Where there is something
     `beside` the harmonics, the noise is that of the groups without it."""
-    if groups is not None:  # the last harmonics may be without a whole group
-        errors = errors.first(groups.orders)
+    if groups is None:
+        orders = max(0, int(coherent.usable_order))
+        reason = (
+            f"{coherent.periods} electrical periods in the window and {orders} harmonics in the band, at "
+            f"least 4 and 2 are needed: record longer, or at a higher rate"
+        )
+        for kind, name in _NAMES.items():
+            to_order_1 = replace(basis, reference=f"{kind} of order 1")
+            yield Measurement.undefined(name, "%", _definition(kind, "and above"), reason, to_order_1)
+        return
+    for kind, found in _by_groups(coherent, spectrum, errors, groups, beside).items():
+        text = _definition(kind, f"to {groups.orders}")
+        if groups.periods_per_window < PERIODS_PER_WINDOW:
+            text += (
+                f", over the {groups.periods_per_window} periods there are in place of {PERIODS_PER_WINDOW}"
+            )
+        own = replace(group_basis(coherent, groups, basis), reference=f"{kind} of order 1")
+        if math.isnan(found.ratio):
+            reason = "order 1 is zero, or alone in the band"
+            yield Measurement.undefined(_NAMES[kind], "%", text, reason, own)
+            continue
+        uncertain = _percent([each for each in found.budget if each.standard != 0.0])
+        if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
+            uncertain = None  # what an amplitude that wanders adds to them has no scatter
+        yield Measurement(
+            _NAMES[kind],
+            100.0 * found.ratio,
+            "%",
+            text,
+            own,
+            uncertain,
+            uncertainty_reason=errors.unknown if uncertain is None else "",
+            sensitivities=_of_ratio(channel, spectrum),
+        )
+
+
+def _definition(kind: Kind, orders: str) -> str:
+    return f"100 x rms of harmonic {kind}s of order 2 {orders} / {kind} of order 1, after {_STANDARD}"
+
+
+def _by_groups(
+    coherent: CoherentSamples,
+    spectrum: CoherentSpectrum,
+    errors: LineErrors,
+    groups: HarmonicGroups,
+    beside: Beside | None,
+) -> Mapping[Kind, GroupDistortion]:
+    """Return the distortions as ratios, with all that makes them uncertain."""
+    errors = errors.first(groups.orders)  # the last harmonics may be without a whole group
     distortion = total_harmonic_distortion(spectrum, len(errors.noise), errors=errors)
-    lines = [each for each in distortion.of_lines if each.name != "fundamental"]
-    by_noise = combined(lines, "")
-    of_order_1 = _relative(distortion)
-    noise = None
-    if by_noise is not None and groups is not None:
+    by_noise = combined((each for each in distortion.of_lines if each.name != "fundamental"), "")
+    of_order_1, noise = _relative(distortion), None
+    if by_noise is not None:
         # windows leave out the rest of the periods
         rest = math.sqrt(coherent.periods / (groups.windows * groups.periods_per_window))
         noise, of_order_1 = MeanError(rest * by_noise.standard, by_noise.dof), rest * of_order_1
     # the square that a converter's steps add to the harmonics, at most, over that of the fundamental
     steps2 = errors.most_power_of_steps / spectrum.fundamental**2 if spectrum.fundamental else 0.0
-    samples = coherent if beside is None else beside.samples
+    samples, clean = (coherent, groups) if beside is None else (beside.samples, beside.without)
     begins, of_bursts = scatter_of_begins(samples, HIGHEST_HARMONIC), scatter_of_bursts(samples)
-    kinds: tuple[tuple[str, Kind], ...] = (
-        ("current_thd_f_groups", "group"),
-        ("current_thd_f_subgroups", "subgroup"),
-    )
-    for name, kind in kinds:
-        base = f"{kind} of order 1"
-        if groups is None:
-            text = f"100 x rms of harmonic {kind}s of order 2 and above / {base}, after {_STANDARD}"
-            orders = max(0, int(coherent.usable_order))
-            reason = (
-                f"{coherent.periods} electrical periods in the window and {orders} harmonics in the band, at "
-                f"least 4 and 2 are needed: record longer, or at a higher rate"
-            )
-            yield Measurement.undefined(name, "%", text, reason, replace(basis, reference=base))
-            continue
-        clean = groups if beside is None else beside.without
+    found: dict[Kind, GroupDistortion] = {}
+    for kind in _NAMES:
         value = group_distortion(clean, kind, noise, of_order_1, distortion.with_noise, of_bursts)
-        if groups.orders > 1:
-            value = replace(value, ratio=ratio_of(groups.of(kind)))
-        text = f"100 x rms of harmonic {kind}s of order 2 to {groups.orders} / {base}, after {_STANDARD}"
-        if groups.periods_per_window < PERIODS_PER_WINDOW:
-            text += (
-                f", over the {groups.periods_per_window} periods there are in place of {PERIODS_PER_WINDOW}"
-            )
-        own = replace(group_basis(coherent, groups, basis), reference=base)
-        if math.isnan(value.ratio):
-            yield Measurement.undefined(name, "%", text, "order 1 is zero, or alone in the band", own)
-        else:
-            budget = [*value.budget, Contribution("phase at which windows begin", "B", begins[kind])]
-            added = value.ratio - math.sqrt(max(0.0, value.ratio**2 - steps2))
-            if added:
-                budget.append(Contribution("steps of the converter that repeat", "B", added))
-            if beside is not None:
-                phases = beside.of_groups if kind == "group" else beside.of_subgroups
-                budget.append(Contribution("phases of components between the harmonics", "B", phases))
-            uncertain = _percent([each for each in budget if each.standard != 0.0])
-            if groups.windows < FEWEST_WINDOWS and math.isnan(errors.wander[0]):
-                uncertain = None  # what an amplitude that wanders adds to them has no scatter
-            why = errors.unknown if uncertain is None else ""
-            yield Measurement(
-                name,
-                100.0 * value.ratio,
-                "%",
-                text,
-                own,
-                uncertain,
-                uncertainty_reason=why,
-                sensitivities=_of_ratio(channel, spectrum),
-            )
+        ratio = ratio_of(groups.of(kind)) if groups.orders > 1 else value.ratio
+        budget = [*value.budget, Contribution("phase at which windows begin", "B", begins[kind])]
+        added = ratio - math.sqrt(max(0.0, ratio**2 - steps2))
+        if added:
+            budget.append(Contribution("steps of the converter that repeat", "B", added))
+        if beside is not None:
+            phases = beside.of_groups if kind == "group" else beside.of_subgroups
+            budget.append(Contribution("phases of components between the harmonics", "B", phases))
+        found[kind] = GroupDistortion(ratio, tuple(budget))
+    return found
 
 
 def _relative(distortion: Distortion) -> float:
