@@ -189,6 +189,11 @@ class Sensitivities:
         return cls((Sensitivity(channel, value),), Line())
 
     @classmethod
+    def of_distortion(cls, channel: str, fundamental_Hz: float) -> Sensitivities:
+        """Return those of a ratio of harmonics to one another, in which a gain cancels."""
+        return cls((Sensitivity(channel),), Harmonics(fundamental_Hz, as_ratio=True))
+
+    @classmethod
     def of_rms(cls, channel: str, value: float) -> Sensitivities:
         """Return those of an rms about a mean."""
         return cls((Sensitivity(channel, value, resolution=OF_MEAN_STEP),), Power())

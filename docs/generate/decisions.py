@@ -228,7 +228,7 @@ SECTIONS: Final = (
         "The uncertainty of THD, of groups and of the noise floor "
         "(`benchtool.analysis.spectra`, `benchtool.analysis.noise`).",
         """
-        0044 0158 0278 0414 0526 0447 0396 0449 0478 0319 0202 0233 0244 0504
+        0044 0158 0278 0414 0526 0447 0527 0396 0449 0478 0319 0202 0233 0244 0504
         """,
     ),
     Section(

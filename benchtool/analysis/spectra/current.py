@@ -30,7 +30,8 @@ from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.mean_frequency import frequency
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
-from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions, with_noise
+from benchtool.analysis.spectra.distortion_with_noise import distortion_with_noise
+from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
 from benchtool.analysis.spectra.flat_crests import crest_is_flat, flat_crest, with_flat_crest
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
@@ -147,7 +148,14 @@ def current_spectrum(
         ),
         *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
         *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(with_noise(found.whole, errors, basis, channel), sound.of_ratios),
+        *_refused(
+            [
+                distortion_with_noise(
+                    found.whole, found.steady.samples, found.components, errors, basis, channel
+                )
+            ],
+            sound.of_ratios,
+        ),
         *_refused(
             group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
         ),
@@ -409,9 +417,11 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f_plus_noise",),
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
-            "without the course of the amplitude, if it has one",
-            "scatter of that power over the electrical periods; that of the fundamental; where the steps of "
-            "a converter fall, which are part of the noise",
+            "without the course of the amplitude, if it has one; what is between harmonics counts in the "
+            "fundamental's bin, too",
+            "scatter of that power over the electrical periods, without what is between harmonics, and what "
+            "the noise in the bins around it does to that; its phases against the harmonics and one "
+            "another; the fundamental; where the steps of a converter fall, which are part of the noise",
         ),
         Quantity(
             ("current_thd_f_groups",),

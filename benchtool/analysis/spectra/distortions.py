@@ -7,10 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.sensitivity import Harmonics, Sensitivities, Sensitivity
@@ -29,11 +26,10 @@ from benchtool.analysis.spectra.harmonics import (
     HIGHEST_HARMONIC,
     Distortion,
     Reference,
-    distortion_and_noise,
     total_harmonic_distortion,
 )
 from benchtool.analysis.spectra.line_errors import LineErrors
-from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
+from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _STANDARD: Final = "IEC 61000-4-7:2002+A1:2008"
@@ -70,7 +66,6 @@ def distortions(
     if current_rated_A_rms is not None:
         rated = f"rated current of {raw(current_rated_A_rms, 6)} {unit} rms, a reference of benchtool's own"
         bases.append(("current_tdd", Reference.STATED, math.sqrt(2.0) * current_rated_A_rms, rated))
-    of_ratio = _of_ratio(channel, spectrum)
     for name, reference, stated, base in bases:
         distortion = total_harmonic_distortion(spectrum, HIGHEST_HARMONIC, reference, stated, errors)
         last = distortion.highest_harmonic
@@ -85,7 +80,7 @@ def distortions(
             reason = "no harmonic is within the band" if last < 2 else f"the {base} is zero"
             yield Measurement.undefined(name, "%", text, reason, to_last)
             continue
-        own = of_ratio
+        own = Sensitivities.of_distortion(channel, spectrum.fundamental_Hz)
         if reference is Reference.STATED:
             value = 100.0 * distortion.ratio
             own = Sensitivities((Sensitivity(channel, value),), Harmonics(spectrum.fundamental_Hz))
@@ -119,71 +114,6 @@ def _distortion(
         uncertainty_reason=unknown if found is None else "",
         sensitivities=sensitivities,
     )
-
-
-def _of_ratio(channel: str, spectrum: CoherentSpectrum) -> Sensitivities:
-    return Sensitivities((Sensitivity(channel),), Harmonics(spectrum.fundamental_Hz, as_ratio=True))
-
-
-def with_noise(
-    coherent: CoherentSamples, errors: LineErrors, basis: Basis, channel: str
-) -> Iterator[Measurement]:
-    """Yield THD_F with the noise in it, of whole periods `coherent`.
-
-    Its power differs from period to period: that scatter is of all in it, noise and what is between the
-    harmonics. The steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017).
-    """
-    spectrum = spectrum_of(coherent)
-    value = distortion_and_noise(spectrum)
-    text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
-    to_end = replace(basis, reference="fundamental")
-    if math.isnan(value):
-        yield Measurement.undefined("current_thd_f_plus_noise", "%", text, "the fundamental is zero", to_end)
-        return
-    base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
-    amplitude, lines = spectrum.fundamental, spectrum.amplitude[2 * spectrum.periods :: spectrum.periods]
-    rest = value * amplitude
-
-    def by_lines(of_lines: NDArray[np.float64]) -> float:
-        """Return by how much errors of the harmonics move the amplitude of all but the fundamental."""
-        moved = lines[: len(of_lines) - 1] * of_lines[1:]
-        return float(np.linalg.norm(moved)) / rest if rest > 0.0 else 0.0
-
-    scatter = _scatter_of_power(coherent, spectrum)
-    # the square of an amplitude is twice a mean square
-    of_scatter = scatter.line(f"scatter of its power over {coherent.periods} electrical periods", 2**0.5)
-    if by_lines(errors.noise) > of_scatter.standard:  # few periods may agree by chance
-        by_noise = by_lines(errors.noise)
-        of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
-    by_steps = by_lines(errors.resolution)
-    if errors.steps is not None and rest > 0.0:
-        by_steps = math.hypot(by_steps, errors.steps.of_square / rest)
-    budget = [
-        replace(of_scatter, standard=of_scatter.standard / amplitude),
-        Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
-        Contribution("resolution", "B", by_steps / amplitude),
-    ]
-    uncertain = _percent([each for each in budget if each.standard != 0.0])
-    yield Measurement(
-        "current_thd_f_plus_noise",
-        100.0 * value,
-        "%",
-        text,
-        to_end,
-        uncertain,
-        uncertainty_reason="" if uncertain is not None else errors.unknown,
-        sensitivities=_of_ratio(channel, spectrum),
-    )
-
-
-def _scatter_of_power(coherent: CoherentSamples, spectrum: CoherentSpectrum) -> MeanError:
-    """Return the error of the rms of all but dc and the fundamental, by its squares in each period."""
-    turn = 2.0 * np.pi / coherent.per_period * np.arange(coherent.per_period)
-    phasor = spectrum.phasor[coherent.periods]
-    fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
-    rest = coherent.values.reshape(coherent.periods, -1) - np.mean(coherent.values) - fundamental
-    squares = np.mean(np.square(rest), axis=1)
-    return error_of_root(squares, math.sqrt(float(np.mean(squares))), error_of_periods(squares))
 
 
 def group_distortions(
@@ -229,7 +159,7 @@ def group_distortions(
             own,
             uncertain,
             uncertainty_reason=errors.unknown if uncertain is None else "",
-            sensitivities=_of_ratio(channel, spectrum),
+            sensitivities=Sensitivities.of_distortion(channel, spectrum.fundamental_Hz),
         )
 
 

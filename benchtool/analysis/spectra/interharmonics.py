@@ -7,6 +7,7 @@ constants explains is taken out, and what is left beside a harmonic is noise.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -71,11 +72,15 @@ class Interharmonics:
     def at(self, course: Course) -> Floats:
         """Return them at places of the record, shape (n,)."""
         found = self.start * np.exp(-course.turned / self.constant)
-        for place, phasor in zip(self.places, self.phasors, strict=True):
-            found += np.real(phasor * np.exp(2j * np.pi * place * course.turned))
-        for tone in self.moving:
-            found += np.real(tone.at(course))
+        for component in self.components(course):
+            found += np.real(component)
         return np.asarray(found)
+
+    def components(self, course: Course) -> Iterator[Complex]:
+        """Yield each sinusoid and each tone as an analytic signal at places of the record, shape (n,)."""
+        for place, phasor in zip(self.places, self.phasors, strict=True):
+            yield np.asarray(phasor * np.exp(2j * np.pi * place * course.turned))
+        yield from (tone.at(course) for tone in self.moving)
 
 
 def between_harmonics(

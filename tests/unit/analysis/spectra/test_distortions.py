@@ -16,6 +16,7 @@ from benchtool.analysis import (
     total_harmonic_distortion,
     track_tone,
 )
+from benchtool.analysis.coherent.spectrum import FIRST_ROW
 from benchtool.block import Block
 from tests.at_length import at_length
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of
@@ -134,3 +135,35 @@ def test_the_steps_of_a_converter_are_noise_in_thd_with_noise() -> None:
     assert found.uncertainty is not None
     assert found.value == pytest.approx(100.0 * step / math.sqrt(6.0), rel=0.2)
     assert found.uncertainty.expanded < 0.1 * found.value
+
+
+@pytest.mark.parametrize("lines", [(6.21,), (6.21, 6.24)])
+def test_what_is_between_harmonics_is_in_thd_with_noise_but_is_no_scatter(lines: tuple[float, ...]) -> None:
+    turned = np.arange(round(200 * 37.6)) / 200.0
+    truth, errors, claimed = 100.0 * math.hypot(0.05, *(0.02 for _ in lines)), [], []
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        parts = ((1.0, 1.0), (5.0, 0.05), *((each, 0.02) for each in lines))
+        turns = random.uniform(0, 2 * np.pi, len(parts))
+        signal = sum(a * np.cos(2 * np.pi * k * turned + b) for (k, a), b in zip(parts, turns, strict=True))
+        found = with_noise(np.asarray(signal) + 1e-4 * random.standard_normal(len(turned)))
+        assert found.uncertainty is not None
+        errors.append((found.value - truth) / found.uncertainty.standard)
+        claimed.append(found.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.5
+    assert max(claimed) < 0.01 * truth
+
+
+def test_a_decaying_dc_is_no_scatter_of_thd_with_noise() -> None:
+    turned = np.arange(8000) / 200.0
+    found = []
+    for seed in range(10):
+        random = np.random.default_rng(seed)
+        signal = np.cos(2 * np.pi * (turned + random.uniform())) + 0.5 * np.exp(-turned / 4.0)
+        found.append(with_noise(signal + 1e-3 * random.standard_normal(len(signal))))
+    values = [each.value for each in found]
+    decay = 0.5 * np.exp(-turned[FIRST_ROW : FIRST_ROW + 39 * 200] / 4.0)  # in the whole periods
+    assert np.mean(values) == pytest.approx(100.0 * math.sqrt(2.0) * np.std(decay), rel=1e-3)
+    claimed = [each.uncertainty.standard for each in found if each.uncertainty is not None]
+    assert len(claimed) == len(found)
+    assert 0.7 < np.std(values, ddof=1) / np.mean(claimed) < 1.5

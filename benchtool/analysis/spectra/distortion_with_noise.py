@@ -1,0 +1,130 @@
+"""THD with noise: of all that is in a current but dc and its fundamental, with what makes that uncertain."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy import fft
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
+from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.sensitivity import Sensitivities
+from benchtool.analysis.spectra.harmonics import distortion_and_noise
+from benchtool.analysis.spectra.line_errors import LineErrors
+from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
+
+_NAME: Final = "current_thd_f_plus_noise"
+_BINS_AROUND = 9
+
+
+def distortion_with_noise(
+    whole: CoherentSamples,
+    clean: CoherentSamples,
+    between: Iterable[NDArray[np.complex128]],
+    errors: LineErrors,
+    basis: Basis,
+    channel: str,
+) -> Measurement:
+    """Return THD_F with the noise in it, of the `whole` periods, which are `clean` of what is no harmonic: of
+    components `between`, analytic signals, shape (samples,), among others.
+
+    Its power differs from period to period: that scatter is of the noise and what it does to harmonics and to
+    what is between them, whose own course is no scatter, but whose phases another record has otherwise. The
+    steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017).
+    """
+    spectrum, of_clean = spectrum_of(whole), spectrum_of(clean)
+    amplitude = of_clean.fundamental
+    text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
+    to_end = replace(basis, reference="fundamental")
+    if not (amplitude > 0.0 and spectrum.fundamental > 0.0):
+        return Measurement.undefined(_NAME, "%", text, "the fundamental is zero", to_end)
+    base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
+    harmonic = slice(2 * spectrum.periods, None, spectrum.periods)
+    # what is between harmonics leaks into the bin of the fundamental, too
+    leaked = abs(spectrum.phasor[spectrum.periods] - of_clean.phasor[spectrum.periods])
+    rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked)
+    lines, value = spectrum.amplitude[harmonic], rest / amplitude
+    of_phases = _over_phases(spectrum, of_clean, harmonic, between) / (rest or 1.0)
+
+    def by_lines(of_lines: NDArray[np.float64]) -> float:
+        """Return by how much errors of the harmonics move the amplitude of all but the fundamental."""
+        moved = lines[: len(of_lines) - 1] * of_lines[1:]
+        return float(np.linalg.norm(moved)) / rest if rest > 0.0 else 0.0
+
+    scatter = _scatter_of_power(whole, clean, rest / math.sqrt(2.0))
+    # the square of an amplitude is twice a mean square
+    of_scatter = scatter.line(f"scatter of its power over {whole.periods} electrical periods", 2**0.5)
+    if by_lines(errors.noise) > of_scatter.standard:  # few periods may agree by chance
+        by_noise = by_lines(errors.noise)
+        of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
+    by_steps = by_lines(errors.resolution)
+    if errors.steps is not None and rest > 0.0:
+        by_steps = math.hypot(by_steps, errors.steps.of_square / rest)
+    budget = [
+        of_scatter.scaled(1.0 / amplitude),
+        Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
+        Contribution("resolution", "B", by_steps / amplitude),
+        Contribution("phases of what is between harmonics", "B", of_phases / amplitude),
+    ]
+    found = combined_by_names(each for each in budget if each.standard != 0.0)
+    return Measurement(
+        _NAME,
+        100.0 * value,
+        "%",
+        text,
+        to_end,
+        None if found is None else found.scaled(100.0),
+        uncertainty_reason="" if found is not None else errors.unknown,
+        sensitivities=Sensitivities.of_distortion(channel, spectrum.fundamental_Hz),
+    )
+
+
+def _over_phases(
+    spectrum: CoherentSpectrum,
+    clean: CoherentSpectrum,
+    harmonic: slice,
+    between: Iterable[NDArray[np.complex128]],
+) -> float:
+    """Return the standard deviation of half the sum of squares of all bins over the phases of what is between
+    the harmonics, against these and against one another."""
+    leaked = spectrum.phasor[harmonic] - clean.phasor[harmonic]
+    squares = float(np.sum(np.abs(clean.phasor[harmonic] * leaked) ** 2))
+    for one, other in itertools.combinations(between, 2):
+        squares += float(abs(np.mean(one * np.conj(other)))) ** 2
+    return math.sqrt(0.5 * squares)
+
+
+def _scatter_of_power(whole: CoherentSamples, clean: CoherentSamples, rms: float) -> MeanError:
+    """Return the error of the `rms` of all but dc and the fundamental, by its squares in each period without
+    what the periods are clean of, and by what noise does to that."""
+    of_periods = clean.values.reshape(clean.periods, -1)
+    turn = 2.0 * np.pi / clean.per_period * np.arange(clean.per_period)
+    phasor = spectrum_of(clean).phasor[clean.periods]
+    fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
+    squares = np.mean(np.square(of_periods - np.mean(of_periods) - fundamental), axis=1)
+    error = error_of_periods(squares)
+    others = whole.values - clean.values
+    if np.any(others):
+        noise = of_periods - np.mean(of_periods, axis=0)
+        error = replace(error, standard=math.hypot(error.standard, _together(others, noise)))
+    return error_of_root(squares, rms, error)
+
+
+def _together(others: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
+    """Return the standard deviation of twice the mean product of `others`, shape (n,), and noise like that of
+    periods, shape (periods, n / periods), whose bins are independent and as large as those around them."""
+    power = np.abs(fft.rfft(noise.ravel())) ** 2
+    between = np.arange(len(power)) % len(noise) != 0  # the mean of the periods has what is in the others
+    of_noise = ndimage.uniform_filter1d(power, _BINS_AROUND, mode="nearest")
+    share = ndimage.uniform_filter1d(between.astype(np.float64), _BINS_AROUND, mode="nearest")
+    around = of_noise / np.maximum(share, 1.0 / _BINS_AROUND)
+    product = float(np.sum(np.abs(fft.rfft(others)[1:]) ** 2 * around[1:]))
+    return math.sqrt(8.0 * product) / len(others) ** 2
