@@ -72,7 +72,7 @@ def distortion_with_noise(
         of_scatter.scaled(1.0 / amplitude),
         Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
         Contribution("resolution", "B", by_steps / amplitude),
-        Contribution("phases of what is between harmonics", "B", of_phases / amplitude),
+        Contribution("phases of components between the harmonics", "B", of_phases / amplitude),
     ]
     found = combined_by_names(each for each in budget if each.standard != 0.0)
     return Measurement(
@@ -93,7 +93,7 @@ def _over_phases(
     harmonic: slice,
     between: Iterable[NDArray[np.complex128]],
 ) -> float:
-    """Return the standard deviation of half the sum of squares of all bins over the phases of what is between
+    """Return the standard deviation of half the sum of squares of all bins over the phases of lines between
     the harmonics, against these and against one another."""
     leaked = spectrum.phasor[harmonic] - clean.phasor[harmonic]
     squares = float(np.sum(np.abs(clean.phasor[harmonic] * leaked) ** 2))
