@@ -33,8 +33,8 @@ def distortion_with_noise(
     basis: Basis,
     channel: str,
 ) -> Measurement:
-    """Return THD_F with the noise in it, of the `whole` periods, which are `clean` of what is no harmonic: of
-    components `between`, analytic signals, shape (samples,), among others.
+    """Return THD_F with the noise in it, of the `whole` periods. The `clean` ones are without all that is no
+    harmonic: without the components `between`, analytic signals, shape (samples,), and a decaying dc.
 
     Its power differs from period to period: that scatter is of the noise and what it does to harmonics and to
     what is between them, whose own course is no scatter, but whose phases another record has otherwise. The
