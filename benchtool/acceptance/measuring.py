@@ -58,11 +58,13 @@ class Measure:
         """
         from benchtool.plan import Limit
 
+        below: float | None = None
         if not isinstance(what, str):
             uncertainty = what.uncertainty if uncertainty is None else uncertainty
-            value, unit, reason, what = what.value, what.unit, reason or what.reason, name or what.name
+            value, below, unit, reason = what.value, what.upper_bound, what.unit, reason or what.reason
+            what = what.name
         limit = Limit(min=min, max=max, margin=margin)
-        judged = held(name or what, value, unit, limit, uncertainty, requirement, reason)
+        judged = held(name or what, value, unit, limit, uncertainty, requirement, reason, below)
         self._notes.judged.append(judged)
         return judged.judge()
 
@@ -75,8 +77,10 @@ def held(
     uncertainty: Uncertainty | float | None = None,
     requirement: str = "",
     reason: str = "",
+    below: float | None = None,
 ) -> Judged:
-    """Return a value with its limit and verdict; None, or one that is not finite, was not measured."""
+    """Return a value with its limit and verdict; None, or one that is not finite, was not measured or is
+    only known to be less than `below`."""
     from benchtool.results import Judged
 
     known = value is not None and math.isfinite(value)
@@ -88,6 +92,7 @@ def held(
         limit=limit,
         requirement=requirement,
         reason=reason or ("" if known else "no finite value"),
+        below=below,
         **spread,
     )
     return found.model_copy(update={"verdict": str(found.judge())})

@@ -37,15 +37,13 @@ def run_on_bench(
             prefix = f"{each.case}: " if len(result) > 1 else ""
             for name, limit in each.limits.items():
                 found = each.found.get(name)
-                value, unit, spread = (
-                    (None, limit.unit or "", None)
-                    if found is None
-                    else (
-                        found.value,
-                        found.unit,
-                        found.uncertainty,
+                if found is None:
+                    judged = held(f"{prefix}{name}", None, limit.unit or "", limit)
+                else:
+                    judged = held(
+                        *(f"{prefix}{name}", found.value, found.unit, limit, found.uncertainty),
+                        reason=found.reason,
+                        below=found.upper_bound,
                     )
-                )
-                why = "" if found is None else found.reason
-                notes.judged.append(held(f"{prefix}{name}", value, unit, limit, spread, "", why))
+                notes.judged.append(judged)
     return result

@@ -272,7 +272,7 @@ def pytest_runtest_makereport(
     if report.when == "call" or not report.passed:
         item.user_properties[:] = [
             *(("requirement", each) for each in requirements_of(item)),
-            *((f"measured {each.name}", f"{each.value} {each.unit}".rstrip()) for each in notes.judged),
+            *((f"measured {each.name}", each.stated) for each in notes.judged),
         ]
     if report.when == "teardown":
         record = record_of(item, notes, stages, waiver)

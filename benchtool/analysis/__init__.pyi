@@ -88,7 +88,11 @@ from .quantisation.counted_line import (
     line_through_counts as line_through_counts,
 )
 from .quantisation.resolution import resolution as resolution
-from .remarks import pulse_note as pulse_note, signal_remarks as signal_remarks
+from .remarks import (
+    pulse_note as pulse_note,
+    repeatability_notes as repeatability_notes,
+    signal_remarks as signal_remarks,
+)
 from .responses.bode import (
     Bode as Bode,
     analyze_response as analyze_response,

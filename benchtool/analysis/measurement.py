@@ -187,10 +187,20 @@ class Measurement:
         return cls(name, math.nan, unit, definition, basis or Basis(), reason=reason)
 
     @property
+    def upper_bound(self) -> float | None:
+        """What it is less than where it has no value; None where it has one, or no bound is known."""
+        return None if math.isfinite(self.value) else self.below
+
+    @property
+    def is_told(self) -> bool:
+        """Whether it has a value or a bound, so that it says something in a table."""
+        return math.isfinite(self.value) or self.upper_bound is not None
+
+    @property
     def text(self) -> str:
         """The value with its expanded uncertainty for 95 %, `0.0501 ± 0.0016`, or what it is less than."""
-        if self.below is not None and not math.isfinite(self.value):
-            return f"< {number(self.below, 2)}"
+        if self.upper_bound is not None:
+            return f"< {number(self.upper_bound, 2)}"
         return with_expanded(self.value, self.uncertainty)
 
     @property

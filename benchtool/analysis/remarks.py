@@ -1,14 +1,17 @@
-"""Remarks on the signals that numbers are of."""
+"""Remarks on the signals that numbers are of, and on how the numbers are to be read."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from typing import Final
 
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.numbers import raw
+from benchtool.analysis.numbers import number, raw, with_unit
 from benchtool.analysis.phase.mean_frequency import angle_remarks
 from benchtool.analysis.spectra.flat_crests import flat_crest_remark
+
+_SHOWS: Final = 1.1  # times U, which repeatability is told from
 
 
 def signal_remarks(measurements: Iterable[Measurement]) -> tuple[str, ...]:
@@ -37,3 +40,26 @@ def pulse_note(measurements: Iterable[Measurement]) -> str:
         f"settling_time counts from the step on: the reference was held for {raw(held_s, 4)} s and fell, and "
         f"the signal settled {raw(after_s, 3)} s later"
     )
+
+
+def repeatability_notes(measurements: Iterable[Measurement]) -> Iterator[str]:
+    """Yield by how much numbers of another record of the same state differ from these besides their U, where
+    that shows beside it; of several numbers of one name that differ most."""
+    largest: dict[str, Measurement] = {}
+    for each in measurements:
+        own, of_state, known = each.uncertainty, each.uncertainty_of_state, largest.get(each.name)
+        if each.repeatability is None or own is None or of_state is None:
+            continue
+        if of_state.expanded > _SHOWS * own.expanded and (
+            known is None
+            or known.repeatability is None
+            or known.repeatability.standard < each.repeatability.standard
+        ):
+            largest[each.name] = each
+    for name, each in largest.items():
+        if each.repeatability is not None:
+            u = with_unit(number(each.repeatability.standard, 2), each.unit)
+            yield (
+                f"{name} differs between records of this state by u = {u} besides its U: "
+                f"{each.repeatability.name}"
+            )

@@ -62,14 +62,9 @@ class Comparison(Named["Delta"]):
         return f"<Comparison of {self.other} against {self.reference}: {len(self)} measurements>"
 
     def _rows(self) -> Iterator[tuple[str, ...]]:
-        from benchtool.analysis import placed, signed, stated
-
         for each in self._deltas.values():
-            mark = {True: "*", False: "~", None: ""}[each.exceeds]
-            yield (
-                *(each.name, placed(each.reference, each.expanded), placed(each.value, each.expanded)),
-                *(stated(each.absolute, each.expanded), f"{signed(each.percent, 2)} %{mark}", each.unit),
-            )
+            values = each.reference_text, each.value_text, each.text
+            yield (each.name, *values, each.in_percent(" %"), each.unit)
 
     def _repr_html_(self) -> str:
         titles = ("measurement", f">{self.reference}", f">{self.other}", ">difference", ">", "unit")

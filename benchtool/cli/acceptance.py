@@ -98,6 +98,7 @@ def _document(record: SessionRecord) -> dict[str, Any]:
                 "limits": {
                     one.name: {
                         "value": one.value,
+                        **({} if one.below is None else {"below": one.below}),
                         "unit": one.unit,
                         **one.held.to_json(),
                         "verdict": one.verdict,

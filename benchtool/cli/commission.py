@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import number, with_expanded
+from benchtool.analysis import number
 from benchtool.bench import Session, open_session
 from benchtool.cli import live_views, options
 from benchtool.cli.output import Output
@@ -304,7 +304,7 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     rows = [
         (
             each.name,
-            with_expanded(each.value, each.uncertainty),
+            each.text,
             each.unit,
             _shown(content, each.name, "nameplate"),
             _shown(content, each.name, "deviation_percent"),

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from benchtool.analysis import NOTHING, catalogue, placed, signed
+from benchtool.analysis import NOTHING, catalogue, placed
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.differences import show_differences
 from benchtool.cli.fitting import named
@@ -19,7 +19,6 @@ from benchtool.cli.output import VERDICT_COLOURS, Output, warn_incomplete, warn_
 from benchtool.cli.results import show_contradicted, show_disagreements, verdict_text
 from benchtool.cli.side_by_side import Column, show_beside
 from benchtool.errors import UsageError
-from benchtool.report import difference
 from benchtool.results import (
     Chance,
     Comparison,
@@ -163,7 +162,7 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
     letters = _letters(comparison)
     title = f"{comparison.case or 'comparison'}: means of the repetitions"
     _show_columns(output, title, comparison, letters)
-    _show_without_uncertainty(output, comparison)
+    _show_lacking(output, comparison)
     for label, result in comparison.results.items():
         for each in result.judged:
             told = f": it {each.told.reason}" if each.told else ""
@@ -176,10 +175,13 @@ def _show_repeated(output: Output, comparison: SideBySide[RepeatedCase]) -> None
             show_contradicted(output, f"{letters[label]}: ", each)
 
 
-def _show_without_uncertainty(output: Output, comparison: SideBySide[MeasuredCase]) -> None:
-    """Print why differences have no uncertainty."""
-    for reason, names in comparison.without_uncertainty.items():
-        output.sentence(f"without ±: {named(names)}: {reason}", "dim")
+def _show_lacking(output: Output, comparison: SideBySide[MeasuredCase]) -> None:
+    """Print why values are not compared, and why differences have no uncertainty, or are not in percent."""
+    for sentence in comparison.not_compared:
+        output.sentence(f"not compared: {sentence}", "dim")
+    for what, found in (("±", comparison.without_uncertainty), ("%", comparison.without_percent)):
+        for reason, names in found.items():
+            output.sentence(f"without {what}: {named(names)}: {reason}", "dim")
 
 
 def _letters(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
@@ -197,9 +199,7 @@ def show(output: Output, comparison: Comparison) -> None:
     )
     if chance := str(comparison.chance):
         output.sentence(chance, "dim")
-    for reason in dict.fromkeys(comparison.not_compared):
-        output.sentence(reason, "dim")
-    _show_without_uncertainty(output, comparison)
+    _show_lacking(output, comparison)
     for sentence in comparison.unlike:
         output.sentence(sentence, "yellow")
     prefixed = [(f"{letters[label]}: ", result) for label, result in results.items()]
@@ -266,6 +266,8 @@ def _value(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
         return NOTHING
+    if found.upper_bound is not None:
+        return found.text
     if found.uncertainty is not None:
         return placed(found.value, found.uncertainty.expanded)
     apart = [
@@ -288,12 +290,11 @@ def _delta(comparison: SideBySide[MeasuredCase], label: str, name: str) -> Delta
 def _difference(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
     """Return the difference to the first run with its uncertainty."""
     delta = _delta(comparison, label, name)
-    return difference(delta) if delta is not None and math.isfinite(delta.absolute) else NOTHING
+    return NOTHING if delta is None else delta.text
 
 
 def _percent(delta: Delta | None) -> Text:
-    if delta is None or not math.isfinite(delta.percent):
+    if delta is None:
         return Text(NOTHING)
-    sign = {True: "*", False: "~", None: ""}[delta.exceeds]
     judged, style = {"better": ("✓", "green"), "worse": ("✗", "red"), "": ("", "")}[delta.judgement]
-    return Text(f"{signed(delta.percent, 2)}{sign}{judged}", style=style)
+    return Text(f"{delta.in_percent()}{judged}", style=style)

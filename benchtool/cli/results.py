@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
@@ -15,9 +14,9 @@ from benchtool.analysis import (
     count_of,
     probability,
     raw,
+    repeatability_notes,
     sensor_remarks,
     undefined,
-    with_expanded,
     without_uncertainty,
 )
 from benchtool.cli.fitting import named
@@ -130,6 +129,7 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
             told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
     told |= dict.fromkeys(_on_sensors(cases))
+    told |= dict.fromkeys(repeatability_notes(each for case in cases for each in case.measurements))
     told |= dict.fromkeys(f"{_of(case, cases)}{text}" for case in cases for text in case.notes)
     refused = {reason for case in cases for reason in case.refusals}  # each told once, by its analysis
     told |= dict.fromkeys(_reasons(cases, undefined, "undefined", refused))
@@ -207,10 +207,7 @@ def show_repeated(
     limits that hold for them together."""
     for case, together in repeated.items():
         shown = [each for each in together if not names or each.name in names]
-        rows = [
-            (each.name, with_expanded(each.mean, each.uncertainty), each.n_of_count, each.unit)
-            for each in shown
-        ]
+        rows = [(each.name, each.measured.text, each.n_of_count, each.unit) for each in shown]
         headings = ("measurement", ">mean ± U (95 %)", ">n", "unit")
         output.table(f"{case}: means of the repetitions", headings, rows)
         for remark in dict.fromkeys(each.remark for each in shown if each.remark):
@@ -247,10 +244,7 @@ def show_side_by_side(output: Output, title: str, cases: Sequence[Assessment]) -
     """Print the measurements of several cases beside each other; missed limits are red, published figures in
     brackets."""
     valued = {
-        each.name
-        for case in cases
-        for each in case.measurements
-        if case.recorded is None or math.isfinite(each.value)
+        each.name for case in cases for each in case.measurements if case.recorded is None or each.is_told
     }
     found = dict.fromkeys((each.name, each.unit) for case in cases for each in case.measurements)
     shown = [(name, unit) for name, unit in found if name in valued]
@@ -276,7 +270,7 @@ def show_assessment(output: Output, title: str, result: Assessment) -> None:
     rows = []
     limited = (each for each in result.quality if each.name in result.limits)
     for each in (*result.measurements, *limited):
-        if result.recorded is not None and not math.isfinite(each.value):
+        if result.recorded is not None and not each.is_told:
             continue  # below, with the reason
         held = result.judged.get(each.name)
         bounds = "" if held is None else held.limit.bounds

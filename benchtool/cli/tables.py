@@ -8,7 +8,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from benchtool.analysis import pulse_note, raw, sensor_remarks, undefined, without_uncertainty
+from benchtool.analysis import (
+    pulse_note,
+    raw,
+    repeatability_notes,
+    sensor_remarks,
+    undefined,
+    without_uncertainty,
+)
 from benchtool.cli import options
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
@@ -96,6 +103,8 @@ def show_table(output: Output, answer: TableAnswer) -> None:
     for reason, names in without_uncertainty(answer.measurements).items():
         output.sentence(f"without ±: {named(names)}: {reason}", "dim")
     for text in sensor_remarks(answer.measurements).values():
+        output.sentence(text, "dim")
+    for text in repeatability_notes(answer.measurements):
         output.sentence(text, "dim")
     if note := pulse_note(answer.measurements):
         output.sentence(note, "dim")

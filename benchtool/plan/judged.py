@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Self
 
-from benchtool.analysis import Measurement, number, probability, raw, with_unit
+from benchtool.analysis import NOTHING, Measurement, number, probability, raw, with_unit
 from benchtool.plan.limits import Limit, Verdict
 
 
@@ -48,8 +48,8 @@ class JudgedLimit:
         """How the limit is met; what was not measured fails."""
         if self.measured is None:
             return Verdict.FAIL
-        if self.measured.below is not None and not math.isfinite(self.measured.value):
-            return self.limit.judge_below(self.measured.below)
+        if self.measured.upper_bound is not None:
+            return self.limit.judge_below(self.measured.upper_bound)
         return self.limit.judge(self.measured.value, self.measured.uncertainty)
 
     @property
@@ -59,8 +59,23 @@ class JudgedLimit:
 
     @property
     def headroom(self) -> float:
-        """How far inside the nearer bound the value lies; nan without a value."""
-        return math.nan if self.measured is None else self.limit.headroom(self.measured.value)
+        """How far inside the nearer bound the value lies, or at least lies where only what it is less than is
+        known; nan without either."""
+        if self.measured is None:
+            return math.nan
+        if self.measured.upper_bound is not None:
+            return self.limit.headroom_below(self.measured.upper_bound)
+        return self.limit.headroom(self.measured.value)
+
+    @property
+    def headroom_text(self) -> str:
+        """The headroom to three digits, `> 0.018` of a value of which only a bound is known, or a dash."""
+        if not math.isfinite(self.headroom):
+            return NOTHING
+        sign = ""
+        if self.measured is not None and self.measured.upper_bound is not None:
+            sign = "< " if self.verdict is Verdict.FAIL else "> "
+        return f"{sign}{raw(self.headroom, 3)}"
 
     @property
     def conformance_text(self) -> str:
@@ -125,9 +140,8 @@ class JudgedLimit:
             return f"was not measured, {self.bounds} is asked for"
         if not math.isfinite(measured.value):
             why = measured.reason or measured.definition
-            if measured.below is not None:
-                why = f"{why}, and one of {with_unit(number(measured.below, 2), measured.unit)} would"
-            return f"is undefined ({why}), {self.bounds} is asked for"
+            what = "undefined" if measured.upper_bound is None else measured.in_unit
+            return f"is {what} ({why}), {self.bounds} is asked for"
         value = f"is {measured.in_unit}"
         if self.verdict is Verdict.MARGINAL:
             return f"{value}, within {with_unit(raw(limit.margin), measured.unit)} of its limit {self.bounds}"
@@ -158,6 +172,8 @@ def _lacking(measured: Measurement | None) -> str:
     """Return whether it is a measurement, its value or its uncertainty that is lacking."""
     if measured is None:
         return "it was not measured"
+    if measured.upper_bound is not None:
+        return "no more is known than what it is less than"
     return "its uncertainty is not known" if math.isfinite(measured.value) else "it is undefined"
 
 

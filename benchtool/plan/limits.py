@@ -137,7 +137,7 @@ class Limit(Section):
         is met as far as that is below it, and none of a least amplitude."""
         if self.min is not None and self.min > 0.0:
             return Verdict.FAIL if below < self.min else Verdict.UNDECIDED
-        room = math.inf if self.max is None else self.max - below
+        room = self.headroom_below(below)
         if not room > 0.0:
             return Verdict.UNDECIDED
         return Verdict.MARGINAL if self.margin != "U" and room < self.margin else Verdict.PASS
@@ -164,6 +164,13 @@ class Limit(Section):
         """Return how far inside the nearer bound a value lies; negative outside."""
         least, greatest = self.distances(value)
         return min(-least, greatest)
+
+    def headroom_below(self, below: float) -> float:
+        """Return how far inside the upper bound an amplitude is at least of which no more is known than that
+        it is less, or how far outside the lower one; nan where that tells neither."""
+        if self.min is not None and self.min > 0.0:
+            return below - self.min if below < self.min else math.nan
+        return math.inf if self.max is None else self.max - below
 
     def is_narrower(self, U: float) -> bool:
         """Return whether both bounds lie so close together that a guard band of U on each lets no value

@@ -15,5 +15,4 @@ from .reproduction_page import (
     PlanFigures as PlanFigures,
     reproduction_page as reproduction_page,
 )
-from .results import difference as difference
 from .writing import write_report as write_report

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from benchtool.analysis import NOTHING, Measurement, with_expanded
+from benchtool.analysis import NOTHING, Measurement
 from benchtool.profile import Choice, Profile
 from benchtool.report.claims import claims_table, literal
 
@@ -119,10 +119,7 @@ def _table(plan: PlanFigures) -> Iterator[str]:
     units = {each.name: each.unit for measured in plan.measured.values() for each in measured}
     yield f"| measurement | unit | {' | '.join(plan.measured)} |"
     yield f"|---|---|{'---|' * len(plan.measured)}"
-    columns = [
-        {each.name: with_expanded(each.value, each.uncertainty) for each in measured}
-        for measured in plan.measured.values()
-    ]
+    columns = [{each.name: each.text for each in measured} for measured in plan.measured.values()]
     for name, unit in units.items():
         yield f"| {name} | {unit} | {' | '.join(column.get(name, NOTHING) for column in columns)} |"
     yield ""

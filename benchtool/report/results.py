@@ -19,12 +19,9 @@ from benchtool.analysis import (
     placed,
     probability,
     raw,
-    signed,
-    with_expanded,
 )
 from benchtool.plan import JudgedLimit, Limit, Verdict
 from benchtool.report.content import Cell, Grid, Item, Mark, Section, Text
-from benchtool.results import Delta
 
 _SHOWN_ROWS = 10
 _MOST_PERCENT = 1000.0  # of a bound: more tells less than the distance itself
@@ -88,13 +85,12 @@ def conformance_notes(judged: Collection[JudgedLimit]) -> Iterator[Text]:
 
 
 def _limit_row(judged: JudgedLimit) -> tuple[str | Cell, ...]:
-    limit, measured, left = judged.limit, judged.measured, NOTHING
+    limit, measured, left = judged.limit, judged.measured, judged.headroom_text
     if measured is not None and math.isfinite(measured.value):
         stated = (bound for bound in (limit.min, limit.max) if bound is not None)
         nearer = min(stated, key=lambda bound: abs(measured.value - bound))
         percent = 100.0 * judged.headroom / abs(nearer) if nearer else math.inf
-        share = f" ({raw(percent, 2)} %)" if abs(percent) < _MOST_PERCENT else ""
-        left = raw(judged.headroom, 3) + share
+        left += f" ({raw(percent, 2)} %)" if abs(percent) < _MOST_PERCENT else ""
     return (
         judged.name,
         judged_value(measured),
@@ -293,14 +289,3 @@ def _sentence(text: str) -> str:
     first = text.split(maxsplit=1)[0].rstrip(",;:") if text.strip() else ""
     begun = text[0].upper() + text[1:] if first.isalpha() and first.islower() else text
     return begun if begun.endswith((".", "!", "?")) else f"{begun}."
-
-
-def difference(delta: Delta) -> str:
-    """Return a difference with its sign and its expanded uncertainty, as far as there is one."""
-    text = with_expanded(delta.absolute, delta.uncertainty)
-    if "±" not in text:
-        return signed(delta.absolute)
-    rounded, _, _ = text.partition("±")
-    if delta.absolute <= 0.0 or not re.search("[1-9]", rounded):
-        return text
-    return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"

@@ -22,12 +22,14 @@ from .case_assessment import (
 from .comparison import (
     Chance as Chance,
     Comparison as Comparison,
-    Delta as Delta,
     MeasuredCase as MeasuredCase,
     RepeatedCase as RepeatedCase,
     SideBySide as SideBySide,
     compare_cases as compare_cases,
     compare_repeated as compare_repeated,
+)
+from .delta import (
+    Delta as Delta,
     deltas as deltas,
 )
 from .differences import (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from benchtool.analysis import Correction, Measurement, Uncertainty, of_difference, raw
@@ -23,12 +22,14 @@ def of_two_quantities(one: Measurement, two: Measurement) -> str:
 
 
 def why_undecided(one: Measurement, two: Measurement) -> str:
-    """Return why the difference of two values has no uncertainty; empty where it has one or a value is not
-    there."""
-    if not (math.isfinite(one.value) and math.isfinite(two.value)):
+    """Return why the difference of two values has no uncertainty; empty where it has one or nothing is known
+    of a value."""
+    if not (one.is_told and two.is_told):
         return ""
     here, there = (
-        each.uncertainty_reason or "it has no uncertainty" if each.uncertainty is None else ""
+        each.uncertainty_reason or "it has no uncertainty"
+        if each.uncertainty is None and each.upper_bound is None
+        else ""
         for each in (one, two)
     )
     if here == there:

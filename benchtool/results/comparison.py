@@ -1,77 +1,19 @@
-"""Comparison of the measurements of runs, and the significance of differences."""
+"""Cases of runs side by side, and how many of their differences chance would make."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, Protocol, Self, TypeVar
 
-from benchtool.analysis import COVERAGE, Measurement, Uncertainty, raw
+from benchtool.analysis import COVERAGE, Measurement, raw
 from benchtool.plan import Limit, Verdict
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import Overdue
-from benchtool.results.comparability import SAME, of_two_quantities, uncertainty_of_difference, why_undecided
+from benchtool.results.comparability import SAME
+from benchtool.results.delta import Delta, Measured, deltas
 from benchtool.results.judged_repetitions import JudgedTogether
 from benchtool.results.repetitions import Repeated
-
-
-@dataclass(frozen=True)
-class Delta:
-    """One measurement of a run against that of the reference, both in `unit`.
-
-    `absolute` is the value less the reference, `percent` of the reference's magnitude. `uncertainty` is that
-    of the difference, with the repeatability of both; errors of instruments that both have in common cancel.
-    It is None where one of them has none. `exceeds` tells whether the difference is more than the expanded
-    uncertainty, with k from the effective degrees of freedom of both; None where there is none. `judgement`
-    is empty where no limit defines which direction is better, or where the difference does not exceed its
-    uncertainty. `reason` says why two values are not of one quantity, so that nothing is decided, and
-    `uncertainty_reason` why values of one have no uncertainty of their difference.
-    """
-
-    name: str
-    unit: str
-    reference: float
-    value: float
-    absolute: float
-    percent: float
-    uncertainty: Uncertainty | None
-    exceeds: bool | None
-    judgement: Literal["", "better", "worse"]
-    reason: str = ""
-    uncertainty_reason: str = ""
-
-    @property
-    def standard(self) -> float:
-        """Standard uncertainty of the difference; nan where there is none."""
-        return math.nan if self.uncertainty is None else self.uncertainty.standard
-
-    @property
-    def expanded(self) -> float | None:
-        """Expanded uncertainty of the difference; None where there is none."""
-        return None if self.uncertainty is None else self.uncertainty.expanded
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields; nan, and a judgement that is not made, become null."""
-        return {
-            "unit": self.unit,
-            "reference": _finite(self.reference),
-            "value": _finite(self.value),
-            "absolute": _finite(self.absolute),
-            "percent": _finite(self.percent),
-            "standard_uncertainty": _finite(self.standard),
-            "experimental_uncertainty": None
-            if self.uncertainty is None
-            else _finite(self.uncertainty.experimental),
-            "dof": None if self.uncertainty is None else _finite(self.uncertainty.dof),
-            "student_factor": None if self.uncertainty is None else self.uncertainty.student_factor,
-            "k": None if self.uncertainty is None else _finite(self.uncertainty.k),
-            "expanded_uncertainty": None if self.expanded is None else _finite(self.expanded),
-            "exceeds_uncertainty": self.exceeds,
-            "judgement": self.judgement or None,
-            **({"reason": self.reason} if self.reason else {}),
-            **({"uncertainty_reason": self.uncertainty_reason} if self.uncertainty_reason else {}),
-        }
 
 
 @dataclass(frozen=True)
@@ -109,16 +51,6 @@ class Chance:
             "exceeding": self.exceeding,
             "expected_by_chance": self.expected,
         }
-
-
-class Measured(Protocol):
-    """What was measured, with the limits that say which direction is good."""
-
-    @property
-    def measurements(self) -> tuple[Measurement, ...]: ...
-
-    @property
-    def limits(self) -> Mapping[str, Limit]: ...
 
 
 class MeasuredCase(Measured, Protocol):
@@ -189,17 +121,25 @@ class SideBySide(Generic[_Result]):
 
     @property
     def not_compared(self) -> tuple[str, ...]:
-        """A sentence for each difference of two quantities."""
-        deltas = (each for found in self.deltas.values() for each in found)
-        return tuple(f"{each.name}: {each.reason}." for each in deltas if each.reason)
+        """A sentence for each reason why values are not compared, with their names."""
+        found = self._by_reason(lambda delta: delta.reason)
+        return tuple(f"{', '.join(names)}: {reason}." for reason, names in found.items())
 
     @property
     def without_uncertainty(self) -> Mapping[str, tuple[str, ...]]:
         """The names of the differences without an uncertainty, by the reason."""
+        return self._by_reason(lambda delta: delta.uncertainty_reason)
+
+    @property
+    def without_percent(self) -> Mapping[str, tuple[str, ...]]:
+        """The names of the differences that are not told in percent, by the reason."""
+        return self._by_reason(lambda delta: delta.percent_reason)
+
+    def _by_reason(self, reason_of: Callable[[Delta], str]) -> dict[str, tuple[str, ...]]:
         found: dict[str, dict[str, None]] = {}
-        for each in (delta for deltas in self.deltas.values() for delta in deltas):
-            if each.uncertainty_reason:
-                found.setdefault(each.uncertainty_reason, {})[each.name] = None
+        for each in (delta for of_run in self.deltas.values() for delta in of_run):
+            if reason := reason_of(each):
+                found.setdefault(reason, {})[each.name] = None
         return {reason: tuple(names) for reason, names in found.items()}
 
 
@@ -276,41 +216,6 @@ def _matched(runs: Mapping[str, Sequence[_Result]]) -> Iterator[tuple[str, Mappi
                 yield one.case, {next(iter(runs)): one, **same}
 
 
-def deltas(reference: Measured, other: Measured) -> tuple[Delta, ...]:
-    """Return the differences of every measurement that both have in the same unit."""
-    return tuple(_deltas(reference, other))
-
-
-def _deltas(reference: Measured, other: Measured) -> Iterator[Delta]:
-    found = {each.name: each for each in other.measurements}
-    for one in reference.measurements:
-        two = found.get(one.name)
-        if two is None or two.unit != one.unit:
-            continue
-        absolute = two.value - one.value
-        percent = 100.0 * absolute / abs(one.value) if one.value else math.nan
-        reason = of_two_quantities(one, two)
-        uncertainty = None if reason else uncertainty_of_difference(one, two)
-        # where either is missing, nothing is decided
-        U = math.nan if uncertainty is None else uncertainty.expanded
-        exceeds = bool(abs(absolute) > U) if math.isfinite(absolute) and math.isfinite(U) else None
-        limits = [each.limits[one.name] for each in (reference, other) if one.name in each.limits]
-        judgement = _judge(absolute, exceeds, limits)
-        yield Delta(
-            one.name,
-            one.unit,
-            one.value,
-            two.value,
-            absolute,
-            percent,
-            uncertainty,
-            exceeds,
-            judgement,
-            reason,
-            "" if reason else why_undecided(one, two),
-        )
-
-
 def _greatest(result: Assessment, of_basis: Literal["duration_s", "sample_rate_Hz"]) -> float:
     """Return the greatest value of all measurements; 0 if unknown."""
     return max((getattr(each.basis, of_basis) or 0.0 for each in result.measurements), default=0.0)
@@ -326,16 +231,3 @@ def _unlike_first(values: Mapping[str, float], preposition: str, unit: str) -> s
     ]
     shown = (f"{label} {preposition} {raw(values[label], 5)} {unit}" for label in (first, *unlike))
     return ", ".join(shown) if unlike else ""
-
-
-def _judge(absolute: float, exceeds: bool | None, limits: Sequence[Limit]) -> Literal["", "better", "worse"]:
-    """Return judgement: less is better under upper limits, more under lower ones; with two bounds neither."""
-    signs = {(-1 if each.max is not None else 0) + (1 if each.min is not None else 0) for each in limits}
-    if len(signs) != 1 or not exceeds:
-        return ""
-    gain = signs.pop() * absolute
-    return "better" if gain > 0 else "worse" if gain < 0 else ""
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

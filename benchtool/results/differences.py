@@ -49,7 +49,7 @@ class Circumstance:
 
 @dataclass(frozen=True)
 class NotCompared:
-    """A measurement that cannot be set against the reference's, and why."""
+    """A measurement that only one of the runs has, or in another unit."""
 
     label: str
     name: str
@@ -165,12 +165,9 @@ def _tolerances(result: Assessment) -> dict[str, tuple[float, float]]:
 
 
 def valued(comparison: SideBySide[MeasuredCase]) -> list[str]:
-    """Return the measurements that have a value in one of the runs."""
+    """Return the measurements that have a value or a bound in one of the runs."""
     found = {
-        each.name
-        for result in comparison.results.values()
-        for each in result.measurements
-        if math.isfinite(each.value)
+        each.name for result in comparison.results.values() for each in result.measurements if each.is_told
     }
     return [name for name in comparison.names if name in found]
 
@@ -278,6 +275,3 @@ def _between(reference: str, one: Assessment, label: str, two: Assessment) -> It
             yield NotCompared(label, name, f"{reference if a is None else label} has none")
         elif a.unit != b.unit:
             yield NotCompared(label, name, f"in {a.unit or 'no unit'} and in {b.unit or 'no unit'}")
-        elif math.isfinite(a.value) != math.isfinite(b.value):
-            which, without = (label, b) if math.isfinite(a.value) else (reference, a)
-            yield NotCompared(label, name, f"undefined in {which}: {without.reason}")

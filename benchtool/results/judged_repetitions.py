@@ -117,7 +117,7 @@ def worst_of(limit: Limit, found: Sequence[Measurement], count: int) -> Measurem
     if lacking := without_value(found, count):
         bounds = bounds_of(found, count)
         undefined = Measurement.undefined(found[0].name, found[0].unit, definition, lacking)
-        return undefined if bounds is None else replace(undefined, below=max(bounds))
+        return replace(undefined, below=None if bounds is None else max(bounds))
     order = list(Verdict)
 
     def merit(each: Measurement) -> tuple[int, float]:
@@ -134,7 +134,7 @@ def bounds_of(found: Sequence[Measurement], count: int) -> list[float] | None:
     told = [
         each.value + (0.0 if each.uncertainty is None else each.uncertainty.expanded)
         if math.isfinite(each.value)
-        else each.below
+        else each.upper_bound
         for each in found
     ]
     known = [each for each in told if each is not None]

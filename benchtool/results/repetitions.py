@@ -49,6 +49,9 @@ class Repeated:
     of, it is that of a `single` one, and `single_reason` says why that is not known. `correction` is what was
     added to the mean for the sensors, `basis` that of the first repetition, and `judged` the limit that holds
     for them together; None without one. `lacking` is why repetitions have no value.
+
+    Where some are only known to be less than something, the mean of the others alone would be too large:
+    `mean` is nan then, and `below` what it is less than, if that is known of every repetition.
     """
 
     name: str
@@ -67,11 +70,12 @@ class Repeated:
     judged: JudgedTogether | None = None
     count: int = 0
     lacking: str = ""
+    below: float | None = None
 
     @property
     def uncertainty(self) -> Uncertainty | None:
-        """Of the mean; None where `uncertainty_reason` says why."""
-        if self.n < 1 or self.uncertainty_reason:
+        """Of the mean; None where there is none, or `uncertainty_reason` says why."""
+        if not math.isfinite(self.mean) or self.uncertainty_reason:
             return None
         if self.n == 1 or self._agree:
             return self.single
@@ -85,7 +89,9 @@ class Repeated:
 
     @property
     def uncertainty_reason(self) -> str:
-        """Why a mean has no uncertainty; empty where it has one."""
+        """Why a mean has no uncertainty; empty where it has one, or there is no mean."""
+        if not math.isfinite(self.mean):
+            return ""
         if self.n == 1:
             return "" if self.single is not None else self.single_reason or "one repetition has no scatter"
         errors = (*self.power, *self.type_b, *self.instruments)
@@ -103,7 +109,15 @@ class Repeated:
             return ""
         why = f": {self.lacking}" if self.lacking else ""
         have = "has" if self.n == 1 else "have"
-        return f"{self.n} of {self.count} repetitions {have} a value, the others have none{why}"
+        alone = "" if math.isfinite(self.mean) else "; a mean of the former alone would be too large"
+        return f"{self.n} of {self.count} repetitions {have} a value, the others have none{why}{alone}"
+
+    @property
+    def reason(self) -> str:
+        """Why there is no mean; empty where there is one."""
+        if math.isfinite(self.mean):
+            return ""
+        return self.remark or self.lacking or "no repetition has a value"
 
     @property
     def n_of_count(self) -> str:
@@ -130,8 +144,10 @@ class Repeated:
             f"mean of {count_of(self.n, 'repetition')}",
             self.basis,
             self.uncertainty,
+            self.reason,
             correction=self.correction,
             uncertainty_reason=self.uncertainty_reason,
+            below=self.below,
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -143,6 +159,8 @@ class Repeated:
             "unit": self.unit,
         }
         document |= {"remark": self.remark} if self.remark else {}
+        document |= {"reason": self.reason} if self.reason else {}
+        document |= {"below": _finite(self.below)} if self.below is not None else {}
         if self.uncertainty is not None:
             document["uncertainty"] = self.uncertainty.to_json()
         elif self.uncertainty_reason:
@@ -201,7 +219,7 @@ class _Group:
     def together(self, limits: Mapping[str, Limit]) -> Iterator[Repeated]:
         """Yield every measurement and every limit over the repetitions."""
         for name in dict.fromkeys((*self.found, *limits)):
-            together = replace(_mean_of(name, self.found.get(name, ())), count=self.count)
+            together = _mean_of(name, self.found.get(name, ()), self.count)
             yield replace(together, judged=self._judged(name, limits[name])) if name in limits else together
 
     def _judged(self, name: str, limit: Limit) -> JudgedTogether:
@@ -259,11 +277,15 @@ def _within(found: Sequence[Measurement], spread: float) -> Iterator[Contributio
     """Yield the part of the repetitions' own uncertainties of type A that their standard deviation `spread`
     does not show.
 
-    Few repetitions may agree by chance. The variance of one is at least what its own data say, pooled over
-    all (JCGM 100:2008, 4.2.4): as far as the scatter has less, the rest is added.
+    Few repetitions may agree by chance. The variance of one is at least what its own data say, of its value
+    and of how far another record differs, pooled over all (JCGM 100:2008, 4.2.4): as far as the scatter has
+    less, the rest is added.
     """
-    known = [each.uncertainty for each in found if each.uncertainty and math.isfinite(each.value)]
-    own = [line for each in known for line in each.budget if line.evaluation == "A" and not line.adds_power]
+    known = [each for each in found if each.uncertainty and math.isfinite(each.value)]
+    lines = (line for each in known if each.uncertainty for line in each.uncertainty.budget)
+    own = [line for line in lines if line.evaluation == "A" and not line.adds_power]
+    further = (each.repeatability for each in known if each.repeatability is not None)
+    own += [line for line in further if math.isfinite(line.standard)]
     pooled = combined(own, "") if own else None
     if pooled is None or not pooled.experimental > 0.0:
         return
@@ -295,12 +317,12 @@ def _power(found: Sequence[Measurement]) -> Iterator[Contribution]:
 def _judged_mean(found: Sequence[Measurement], count: int) -> Measurement:
     """Return the mean of `count` repetitions as a limit applies to it; undefined if one of them has no
     value."""
-    mean = _mean_of(found[0].name, found).measured
+    mean = _mean_of(found[0].name, found, count).measured
     definition = f"mean of {count} repetitions"
     if lacking := without_value(found, count):
-        bounds = bounds_of(found, count)
-        undefined = Measurement.undefined(mean.name, mean.unit, definition, lacking)
-        return undefined if bounds is None else replace(undefined, below=float(np.mean(bounds)))
+        return replace(
+            Measurement.undefined(mean.name, mean.unit, definition, lacking), below=mean.upper_bound
+        )
     return replace(mean, definition=definition, in_common_band=_mean_in_band(found, mean))
 
 
@@ -309,7 +331,7 @@ def _mean_in_band(found: Sequence[Measurement], judged: Measurement) -> Measurem
     narrow = [each.in_common_band for each in found if each.in_common_band is not None]
     if len(narrow) < len(found):
         return None
-    together = _mean_of(judged.name, narrow)
+    together = _mean_of(judged.name, narrow, len(found))
     basis = narrow[0].basis
     return Measurement(
         judged.name, together.mean, judged.unit, judged.definition, basis, together.uncertainty
@@ -324,11 +346,14 @@ def _mean_correction(found: Sequence[Measurement]) -> Correction | None:
     return Correction(sum(each.added for each in corrections) / len(found), corrections[0].of)
 
 
-def _mean_of(name: str, found: Sequence[Measurement]) -> Repeated:
-    """Return mean and standard deviation of the mean of repetitions."""
+def _mean_of(name: str, found: Sequence[Measurement], count: int) -> Repeated:
+    """Return mean and standard deviation of the mean of `count` repetitions; no mean of those alone that have
+    a value where others are only known to be less than something."""
     values = [each.value for each in found if math.isfinite(each.value)]
-    mean = float(np.mean(values)) if values else math.nan
-    spread = float(np.std(values, ddof=1)) if len(values) > 1 else math.nan
+    is_bounded = any(each.upper_bound is not None for each in found)
+    bounds = bounds_of(found, count) if is_bounded else None
+    mean = float(np.mean(values)) if values and not is_bounded else math.nan
+    spread = float(np.std(values, ddof=1)) if len(values) > 1 and not is_bounded else math.nan
     return Repeated(
         name,
         found[-1].unit if found else "",
@@ -343,7 +368,9 @@ def _mean_of(name: str, found: Sequence[Measurement]) -> Repeated:
         single_reason=next((each.uncertainty_reason for each in found if each.uncertainty_reason), ""),
         correction=_mean_correction(found),
         basis=found[0].basis if found else Basis(),
+        count=count,
         lacking="; ".join(dict.fromkeys(each.reason for each in found if each.reason)),
+        below=None if bounds is None else float(np.mean(bounds)),
     )
 
 

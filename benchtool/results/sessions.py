@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
-from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis import Measurement, Uncertainty, with_unit
 from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
 from benchtool.misfits import explain
@@ -37,7 +37,8 @@ class Outcome(StrEnum):
 
 
 class Judged(Section):
-    """A value that was measured and held against a limit; null where it was not measured, which fails.
+    """A value that was measured and held against a limit; null where it was not measured, which fails, or is
+    only known to be less than `below`.
 
     `standard` is the standard uncertainty, with `dof` degrees of freedom, null of infinitely many, and
     `half_width` the expanded one where that is no multiple of it.
@@ -53,6 +54,7 @@ class Judged(Section):
     requirement: str = ""
     reason: str = ""
     verdict: str = ""
+    below: float | None = None
 
     @property
     def uncertainty(self) -> Uncertainty | None:
@@ -62,18 +64,31 @@ class Judged(Section):
         dof = math.inf if self.dof is None else self.dof
         return Uncertainty(self.standard, "as it was stated", dof, half_width=self.half_width)
 
+    @property
+    def stated(self) -> str:
+        """The value in all its digits, or what it is less than, with its unit."""
+        if self.value is not None:
+            return with_unit(f"{self.value}", self.unit)
+        return "not measured" if self.below is None else with_unit(f"< {self.below}", self.unit)
+
     def judge(self) -> Verdict:
         """Return the verdict by value, uncertainty and limit."""
-        return self.limit.judge(self.value, self.uncertainty)
+        return self.held.verdict
 
     @property
     def held(self) -> JudgedLimit:
         """The limit held against the value."""
-        if self.value is None and not self.reason:
+        if self.value is None and self.below is None and not self.reason:
             return JudgedLimit.of(self.name, self.limit, None)
         value = math.nan if self.value is None else self.value
         measured = Measurement(
-            self.name, value, self.unit, "", uncertainty=self.uncertainty, reason=self.reason
+            self.name,
+            value,
+            self.unit,
+            "",
+            uncertainty=self.uncertainty,
+            reason=self.reason,
+            below=self.below,
         )
         return JudgedLimit.of(self.name, self.limit, measured)
 
@@ -88,7 +103,7 @@ class Judged(Section):
         told = self.held.told
         if told is None or self.judge().met:
             return ""
-        if self.value is None:
+        if self.value is None and self.below is None:
             why = f" ({self.reason})" if self.reason else ""
             return f"{self.name} was not measured{why}, {self.limit.bounds} {self.unit} is asked for"
         return str(told)

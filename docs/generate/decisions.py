@@ -145,7 +145,7 @@ SECTIONS: Final = (
         "How a number is judged by its limit, what repetitions tell together, and when two runs differ "
         "(`benchtool.results`).",
         """
-        0038 0511 0058 0328 0369 0354 0524 0525 0287 0400 0039 0401 0066 0329
+        0038 0511 0058 0328 0369 0354 0524 0525 0513 0287 0400 0039 0401 0066 0329
         """,
     ),
     Section(

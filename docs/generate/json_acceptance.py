@@ -14,6 +14,8 @@ class HeldLimit(Document):
 
     value: float | None
     """The value; `null` where it was not measured, which fails."""
+    below: float | None = None
+    """What an amplitude without a value is less than, by which it is judged."""
     unit: str
     """Unit of value and bounds."""
     min: float | None = None

@@ -286,7 +286,7 @@ class Delta(Document):
     absolute: float | None
     """The difference."""
     percent: float | None
-    """The difference in percent of the first."""
+    """The difference in percent of the first; null where that is zero within its U."""
     standard_uncertainty: float | None
     """Standard uncertainty u of the difference."""
     experimental_uncertainty: float | None
@@ -303,10 +303,16 @@ class Delta(Document):
     """Whether the difference exceeds that."""
     judgement: str | None
     """`better` or `worse` by a limit."""
+    above: float | None = None
+    """What the difference is more than, where the first run only tells what its value is less than."""
+    below: float | None = None
+    """What the difference is less than, where this one only tells what its value is less than."""
     reason: str | None = None
-    """Why two values are not of one quantity."""
+    """Why the values are not compared: one is undefined, or they are not of one quantity."""
     uncertainty_reason: str | None = None
     """Why the difference has no uncertainty."""
+    percent_reason: str | None = None
+    """Why it is not told in percent."""
 
 
 class Chance(Document):

@@ -330,6 +330,10 @@ class RepeatedDocument(Document):
     """Unit of the mean."""
     remark: str | None = None
     """That some repetitions have no value, with the reason."""
+    reason: str | None = None
+    """Why there is no mean."""
+    below: float | None = None
+    """What the mean is less than where there is none, as some repetitions only tell a bound."""
     uncertainty: Uncertainty | None = None
     """Its uncertainty."""
     uncertainty_reason: str | None = None

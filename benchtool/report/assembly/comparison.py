@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 
-from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed, with_expanded
+from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed
 from benchtool.block import Block
 from benchtool.recording import Bundle, Manifest, read_manifest
 from benchtool.report.assembly.comparison_front import comparison_front
@@ -20,7 +20,6 @@ from benchtool.report.provenance import files_section, supervision_notes
 from benchtool.report.results import (
     bounds_of,
     conformance_of,
-    difference,
     judged_value,
     mark,
     measurement_notes,
@@ -159,10 +158,12 @@ def _measured(comparison: SideBySide[MeasuredCase]) -> Iterator[Item]:
         yield Section(f"{label} against {labels[0]}", (grid,))
     if chance := str(comparison.chance):
         yield Text(chance, "note")
-    for reason in dict.fromkeys(comparison.not_compared):
-        yield Text(reason, "note")
+    for sentence in comparison.not_compared:
+        yield Text(f"Not compared: {sentence}", "note")
     for reason, without in comparison.without_uncertainty.items():
         yield Text(f"Without ±: {', '.join(without)}: {reason}.", "note")
+    for reason, without in comparison.without_percent.items():
+        yield Text(f"Not in percent: {', '.join(without)}: {reason}.", "note")
 
 
 def _notes(comparison: SideBySide[MeasuredCase], name: str) -> Iterator[str]:
@@ -184,8 +185,7 @@ def _value(result: MeasuredCase, name: str) -> Cell:
     measured = _named(result, name)
     if measured is None:
         return Cell(NOTHING)
-    text = with_expanded(measured.value, measured.uncertainty)
-    return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)
+    return Cell(measured.text, mark(result.verdicts[name]) if name in result.verdicts else "")
 
 
 def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
@@ -193,7 +193,7 @@ def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
     exceeds = {True: "yes", False: "no", None: NOTHING}[delta.exceeds]
     judged = Cell(delta.judgement, delta.judgement) if delta.judgement else Cell("")
     percent = f"{signed(delta.percent)} %" if math.isfinite(delta.percent) else NOTHING
-    return delta.name, difference(delta), delta.unit, percent, exceeds, judged
+    return delta.name, delta.text, delta.unit, percent, exceeds, judged
 
 
 def _short(label: str) -> str:

@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from benchtool.analysis import COVERAGE, catalogue, placed
+from benchtool.analysis import COVERAGE, catalogue
 from benchtool.plan import Verdict, worst
 from benchtool.recording import Manifest
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, equipment, motor_rating
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Section, Signatures, Text
 from benchtool.report.provenance import drive_numbers, link_of, profile_of
-from benchtool.report.results import difference, mark
+from benchtool.report.results import mark
 from benchtool.results import Assessment, Comparison, Delta, Differences, Kind
 
 _MOST_TOLD: Final = 14
@@ -129,8 +129,9 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
         (
             delta.name,
             label,
-            *_values(delta),
-            difference(delta),
+            delta.reference_text,
+            delta.value_text,
+            delta.text,
             delta.unit,
             Cell(delta.judgement, delta.judgement) if delta.judgement else "",
         )
@@ -139,11 +140,6 @@ def _differences(comparisons: Sequence[Comparison]) -> Iterator[Item]:
     yield Grid.of(headings, rows)
     if more := len(found) - len(shown):
         yield Text(f"{more} more stand with the measurements.", "note")
-
-
-def _values(delta: Delta) -> tuple[str, str]:
-    """Return both values to the place of the uncertainty of their difference, so that they show it."""
-    return placed(delta.reference, delta.expanded), placed(delta.value, delta.expanded)
 
 
 def _reading(comparisons: Sequence[Comparison]) -> Text:

@@ -354,13 +354,13 @@ def _row_of(
     prefix: str, place: str, judged: JudgedLimit, limit: str, verdict: Cell
 ) -> tuple[str | Cell, ...]:
     unit = "" if judged.measured is None else judged.measured.unit
-    left = with_unit(raw(judged.headroom, 3), unit) if math.isfinite(judged.headroom) else NOTHING
+    left = with_unit(judged.headroom_text, unit) if math.isfinite(judged.headroom) else NOTHING
     value = with_unit(judged_value(judged.measured), unit)
     return f"{prefix}{judged.name}", limit, judged.limit.rule, value, place, left, verdict
 
 
 def _badness(found: tuple[str, JudgedLimit]) -> tuple[int, float]:
-    """Return the verdict, then how little room is left."""
+    """Return the verdict, then how little room is left; least where that is not known."""
     _, judged = found
-    room = -math.inf if judged.measured is None else judged.headroom
+    room = -math.inf if math.isnan(judged.headroom) else judged.headroom
     return list(Verdict).index(judged.verdict), -room

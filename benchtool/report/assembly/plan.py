@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
-from benchtool.analysis import NOTHING, catalogue, raw, with_expanded
+from benchtool.analysis import NOTHING, catalogue, raw
 from benchtool.plan import Plan, Verdict
 from benchtool.report.assembly.case import case_appendix, case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
@@ -123,10 +122,10 @@ def _repeated_row(each: Repeated, *, judged: bool) -> tuple[str | Cell, ...]:
     """Return a measurement over its repetitions and, where some are `judged`, what of it is and with which
     verdict."""
     reason = each.uncertainty_reason
-    notes = (each.remark, f"no uncertainty: {reason}" if reason else "")
+    notes = (each.reason or each.remark, f"no uncertainty: {reason}" if reason else "")
     told = tuple(f"{note[0].upper()}{note[1:].rstrip('.')}." for note in notes if note)
     name = Cell(each.name, notes=told)
-    row = (name, with_expanded(each.mean, each.uncertainty), each.unit, each.n_of_count)
+    row = (name, each.measured.text, each.unit, each.n_of_count)
     held = each.judged
     if held is None:
         return (*row, "", *("" for _ in _OF_LIMITS)) if judged else row
@@ -144,7 +143,7 @@ def _foremost(run: RecordedRun, plan: Plan | None) -> list[str]:
         for case in run.cases
         if case.assessment
         for each in case.assessment.measurements
-        if plan is not None or math.isfinite(each.value)  # a recording has asked for none of them
+        if plan is not None or each.is_told  # a recording has asked for none of them
     )
     if plan is not None and plan.tabulate:
         return [name for name in plan.tabulate if name in found]
@@ -159,10 +158,10 @@ def _overview_cell(case: RecordedCase, name: str) -> Cell:
     measured = next((each for each in result.measurements if each.name == name), None) if result else None
     if result is None or measured is None:
         return Cell(NOTHING)
-    text = with_expanded(measured.value, measured.uncertainty)
+    text = measured.text
     if name in result.published:
         text += f" ({raw(result.published[name])})"
-    return Cell(text, mark(result.verdicts[name])) if name in result.verdicts else Cell(text)
+    return Cell(text, mark(result.verdicts[name]) if name in result.verdicts else "")
 
 
 def _differences(run: RecordedRun) -> Iterator[Item]:

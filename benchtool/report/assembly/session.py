@@ -292,7 +292,9 @@ def _judged_grid(judged: Sequence[Judged]) -> Grid:
 
 
 def _judged_row(each: Judged) -> tuple[str | Cell, ...]:
-    value = each.reason or "not measured" if each.value is None else judged_value(each.held.measured)
+    measured = each.held.measured
+    is_told = measured is not None and measured.is_told
+    value = judged_value(measured) if is_told else each.reason or "not measured"
     verdict = Verdict(each.verdict)
     return (
         *(each.name, value, each.unit, bounds_of(each.limit), each.limit.rule),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from benchtool.analysis import Measurement, catalogue
 from benchtool.plan import Limit, Plan, Setting
@@ -19,7 +19,7 @@ def trend_names(plan: Plan, results: Sequence[Assessment]) -> tuple[str, ...]:
     first."""
     if len(results) < 2:
         return ()
-    measured = {each.name for result in results for each in result.measurements if math.isfinite(each.value)}
+    measured = {each.name for result in results for each in result.measurements if each.is_told}
     judged = [*plan.limits, *(name for limits in plan.case_limits.values() for name in limits)]
     asked = [plan.figure_of] if plan.figure == "sweep" else []
     names = dict.fromkeys(name for name in (*asked, *judged) if name in measured)
@@ -76,24 +76,24 @@ def _repeated(plan: Plan, results: Sequence[Assessment], name: str) -> dict[str,
 
 
 def _alone(result: Assessment, name: str, x: float | str) -> Point | None:
-    measured = next(_values([result], name), None)
-    if measured is None:
-        return None
-    expanded = math.nan if measured.uncertainty is None else measured.uncertainty.expanded
-    return Point(x, measured.value, expanded, (), *_bounds(result.limits.get(name)))
+    measured = next((each for each in result.measurements if each.name == name and each.is_told), None)
+    return None if measured is None else _point(x, measured, (), result.limits.get(name))
 
 
 def _mean(together: Repeated, members: Sequence[Assessment], x: float | str) -> Point:
     judged = together.judged or members[0].judged.get(together.name)
-    expanded = math.nan if together.uncertainty is None else together.uncertainty.expanded
-    single = tuple(each.value for each in _values(members, together.name))
-    return Point(x, together.mean, expanded, single, *_bounds(None if judged is None else judged.limit))
+    single = tuple(
+        each.value
+        for member in members
+        for each in member.measurements
+        if each.name == together.name and math.isfinite(each.value)
+    )
+    return _point(x, together.measured, single, None if judged is None else judged.limit)
 
 
-def _values(results: Sequence[Assessment], name: str) -> Iterator[Measurement]:
-    for result in results:
-        yield from (each for each in result.measurements if each.name == name and math.isfinite(each.value))
-
-
-def _bounds(limit: Limit | None) -> tuple[float | None, float | None]:
-    return (None, None) if limit is None else (limit.min, limit.max)
+def _point(x: float | str, measured: Measurement, single: tuple[float, ...], limit: Limit | None) -> Point:
+    expanded = math.nan if measured.uncertainty is None else measured.uncertainty.expanded
+    bound = measured.upper_bound
+    least, greatest = (None, None) if limit is None else (limit.min, limit.max)
+    value = measured.value if bound is None else bound
+    return Point(x, value, expanded, single, least, greatest, bound is not None)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWNBASE
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
@@ -41,7 +42,8 @@ class Point:
     """A value where `x` is swept to; a name stands for what has no number.
 
     `expanded` is its expanded uncertainty for 95 %, nan where it is not known. `single` are the repetitions
-    whose mean the value is; `least` and `greatest` are the limits that it is judged by.
+    whose mean the value is; `least` and `greatest` are the limits that it is judged by. Where `is_bound`, no
+    more is known than that it is less than the value.
     """
 
     x: float | str
@@ -50,6 +52,7 @@ class Point:
     single: tuple[float, ...] = ()
     least: float | None = None
     greatest: float | None = None
+    is_bound: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,8 @@ def draw_trend(trend: Trend, title: str) -> Figure:
     summary = "bars: expanded uncertainty (95 %)" if uncertain else ""
     if any(point.single for point in points):
         summary = f"mean of repetitions, which are the small dots{'; ' if summary else ''}{summary}"
+    if any(point.is_bound for point in points):
+        summary = f"{summary}{'; ' if summary else ''}triangles: less than at their base"
     figure = new_figure(_HEIGHT_IN, title, summary)
     axes = figure.subplots()
     names = list(dict.fromkeys(point.x for point in points if isinstance(point.x, str)))
@@ -106,10 +111,10 @@ def _draw_series(
     joined: bool,
 ) -> None:
     """Values with their bars and, beneath, single repetitions; a line joins what has numbers below the
-    axis."""
+    axis. A value that is only known to be less than a bound has a triangle down from there."""
     color, marker, dashes = look
     order = np.argsort(x, kind="stable")
-    values = np.array([point.value for point in series])
+    values = np.array([math.nan if point.is_bound else point.value for point in series])
     bars = np.nan_to_num([point.expanded for point in series])[order]
     axes.errorbar(
         *(x[order], values[order], bars if bars.any() else None),
@@ -122,6 +127,9 @@ def _draw_series(
         elinewidth=0.9,
         capsize=2.5,
     )
+    bounds = [(place, point.value) for place, point in zip(x, series, strict=True) if point.is_bound]
+    if bounds:
+        axes.plot(*zip(*bounds, strict=True), color=color, marker=CARETDOWNBASE, markersize=7, linestyle="")
     for place, point in zip(x, series, strict=True):
         axes.plot([place] * len(point.single), point.single, ".", color=color, markersize=3, alpha=0.45)
 

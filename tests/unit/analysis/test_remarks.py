@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis import analyze_step, pulse_note
+from benchtool.analysis import (
+    Contribution,
+    Measurement,
+    Uncertainty,
+    analyze_step,
+    pulse_note,
+    repeatability_notes,
+)
 from benchtool.block import Block, Channel
 
 CHANNELS = (Channel("torque", "Nm"), Channel("torque_reference", "Nm"))
@@ -29,3 +36,18 @@ def test_the_settling_time_of_a_pulse_is_said_to_contain_how_long_it_was_held(he
         "settling_time counts from the step on: the reference was held for 0.04 s and fell"
     )
     assert found.endswith("s later")
+
+
+def test_how_far_another_record_differs_is_told_where_it_shows() -> None:
+    """A frequency of 10.0017 ± 0.0009 Hz stood beside 10.0062 Hz of the next record without a word."""
+
+    def of(repeatability: float) -> Measurement:
+        wander = Contribution("wander of the speed", "A", repeatability)
+        own = Uncertainty(0.001, "noise")
+        return Measurement("fundamental_frequency", 10.0, "Hz", "", uncertainty=own, repeatability=wander)
+
+    assert list(repeatability_notes([of(0.0002)])) == []
+    assert list(repeatability_notes([of(0.002), of(0.003), of(0.0002)])) == [
+        "fundamental_frequency differs between records of this state by u = 0.0030 Hz besides its U: "
+        "wander of the speed"
+    ]

@@ -287,4 +287,4 @@ def test_a_line_that_does_not_stand_out_is_judged_by_the_noise_that_hides_it(
     assert held.verdict is verdict
     assert hidden.in_unit == "< 1 Nm"
     if verdict is Verdict.UNDECIDED:
-        assert "no line stands out of the noise, and one of 1 Nm would), " in str(held.missed)
+        assert "x is < 1 Nm (no line stands out of the noise), " in str(held.missed)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.markers import CARETDOWNBASE
 
 from benchtool.analysis import Measurement, Uncertainty
 from benchtool.block import Block, Channel
@@ -184,3 +187,19 @@ def test_channels_and_measurements_are_told_in_words() -> None:
     )
     assert measurement_label("torque_ripple_percent_of_mean", "%") == "torque ripple, percent of mean (%)"
     assert measurement_label("current_thd_f", "%") == "current THD-F (%)"
+
+
+def test_what_is_only_known_to_be_less_than_a_bound_is_drawn_there() -> None:
+    """Such points were left out without a word."""
+    swept = plan(sweep={"operating_point": {"load_torque_Nm": (0.5, 1.0)}})
+    found = results(swept, 0.3, math.nan)
+    hidden = replace(found[1].measurements[0], below=0.2, uncertainty=None)
+    found[1] = replace(found[1], measurements=(hidden,))
+    trend = trend_of(swept, found, "torque_ripple_pp")
+    ((value, bound),) = trend.series.values()
+    assert (value.value, value.is_bound) == (0.3, False)
+    assert (bound.value, bound.is_bound) == (0.2, True)
+    figure = draw_trend(trend, "title")
+    downwards = [line for line in figure.axes[0].lines if line.get_marker() == CARETDOWNBASE]
+    assert [np.asarray(line.get_ydata()).tolist() for line in downwards] == [[0.2]]
+    assert "triangles: less than at their base" in " ".join(text.get_text() for text in figure.texts)

@@ -25,7 +25,7 @@ from benchtool.report.results import budgets_section, measurement_notes
 from benchtool.results.assessment import Assessment
 from benchtool.results.calibration import CLOCK, Calibration
 from benchtool.results.case_assessment import assess, assess_bundle
-from benchtool.results.comparison import deltas
+from benchtool.results.delta import deltas
 from benchtool.results.repetitions import over_repetitions
 from tests.at_length import at_length
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR, steady_capture, step_capture

@@ -24,10 +24,9 @@ from benchtool.analysis.uncertainty import (
 )
 from benchtool.block import Block, Channel
 from benchtool.plan.limits import Limit, Verdict
-from benchtool.report.assembly.comparison_front import _values
-from benchtool.report.results import difference
 from benchtool.results.assessment import Assessment
-from benchtool.results.comparison import Comparison, Delta, compare_cases, deltas
+from benchtool.results.comparison import Comparison, compare_cases
+from benchtool.results.delta import Delta, deltas
 from tests.at_length import at_length
 
 BLOCK = Block((Channel("torque", "Nm"),), 0, 1, 1e-4, np.zeros((1, 1)))
@@ -142,13 +141,13 @@ def test_the_uncertainties_of_both_are_combined() -> None:
     (delta,) = deltas(result(x=(1.0, 0.03)), result(x=(2.0, 0.04)))
     assert delta.standard == pytest.approx(0.05)
     assert delta.to_json()["standard_uncertainty"] == delta.standard
-    assert difference(delta) == "+1.000 ± 0.098"
+    assert delta.text == "+1.000 ± 0.098"
     (delta,) = deltas(result(x=(2.0e-7, 3e-9)), result(x=(1.0e-7, 4e-9)))
-    assert difference(delta) == "(−1.000 ± 0.098) × 10⁻⁷"
+    assert delta.text == "(−1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0e-7, 3e-9)), result(x=(2.0e-7, 4e-9)))
-    assert difference(delta) == "(+1.000 ± 0.098) × 10⁻⁷"
+    assert delta.text == "(+1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0, None)), result(x=(2.5, 0.04)))
-    assert difference(delta) == "+1.50"
+    assert delta.text == "+1.50"
 
 
 def test_k_comes_from_the_degrees_of_freedom_of_both() -> None:
@@ -315,25 +314,49 @@ def test_limits_that_contradict_each_other_tell_nothing() -> None:
 
 
 def test_what_has_no_value_has_no_difference() -> None:
-    (delta,) = deltas(result(x=(math.nan, 0.1)), result(x=(1.0, 0.1)))
+    undefined = Measurement.undefined("x", "Nm", "", "no revolution")
+    (delta,) = deltas(replace(result(), measurements=(undefined,)), result(x=(1.0, 0.1)))
     assert delta.to_json() == {
         "unit": "Nm",
         "reference": None,
         "value": 1.0,
         "absolute": None,
         "percent": None,
-        "standard_uncertainty": pytest.approx(math.hypot(0.1, 0.1)),
-        "experimental_uncertainty": pytest.approx(math.hypot(0.1, 0.1)),
+        "standard_uncertainty": None,
+        "experimental_uncertainty": None,
         "dof": None,
-        "student_factor": pytest.approx(1.96, abs=1e-3),
-        "k": pytest.approx(1.96, abs=1e-3),
-        "expanded_uncertainty": pytest.approx(1.96 * math.hypot(0.1, 0.1), rel=1e-3),
+        "student_factor": None,
+        "k": None,
+        "expanded_uncertainty": None,
         "exceeds_uncertainty": None,
         "judgement": None,
+        "reason": "undefined in the reference: no revolution",
     }
-    (from_zero,) = deltas(result(x=(0.0, None)), result(x=(1.0, None)))
-    assert math.isnan(from_zero.percent)
     assert deltas(result(x=(0.0, None)), result(y=(1.0, None))) == ()
+
+
+@pytest.mark.parametrize(
+    ("reference", "reason"),
+    [
+        ((0.0, None), "the reference is zero"),
+        ((0.01, 0.1), "the reference is zero within its U"),
+        ((-0.15, 0.1), "the reference is zero within its U"),
+        ((-0.25, 0.1), ""),
+        ((0.01, None), ""),
+    ],
+)
+def test_a_difference_is_no_percentage_of_what_may_be_zero(
+    reference: tuple[float, float | None], reason: str
+) -> None:
+    """Of a reference of 0.01 ± 0.2 it was 99 000 %."""
+    one, two = result(x=reference), result(x=(9.9, 0.1))
+    (delta,) = deltas(one, two)
+    assert (delta.percent_reason, delta.to_json().get("percent_reason", "")) == (reason, reason)
+    assert math.isnan(delta.percent) is bool(reason)
+    assert delta.absolute == pytest.approx(9.9 - reference[0])
+    if reason:
+        assert delta.in_percent() == ("–" if reference[1] is None else "*")
+        assert Comparison.of("", {"A": one, "B": two}).without_percent == {reason: ("x",)}
 
 
 def test_cases_are_matched_by_name_and_the_others_named() -> None:
@@ -420,9 +443,9 @@ def test_of_a_shared_error_remains_what_it_moves_one_value_more() -> None:
 def test_values_are_shown_to_the_place_of_their_difference() -> None:
     """Four digits of 9.99874 and 10.0039 Hz, 9.999 and 10, contradict a difference of 0.0052."""
     (delta,) = deltas(result(x=(9.99874, 0.0015)), result(x=(10.0039, 0.0015)))
-    assert _values(delta) == ("9.9987", "10.0039")
+    assert (delta.reference_text, delta.value_text) == ("9.9987", "10.0039")
     (bare,) = deltas(result(x=(9.99874, None)), result(x=(10.0039, None)))
-    assert _values(bare) == ("9.999", "10.00")
+    assert (bare.reference_text, bare.value_text) == ("9.999", "10.00")
 
 
 @pytest.mark.parametrize("width", ["bin_Hz", "band", "span_s"])

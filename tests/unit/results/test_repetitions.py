@@ -79,6 +79,7 @@ def test_what_was_never_defined_is_null() -> None:
     measured = {f"u_s_V={u_s}.{n}": _measured(math.nan) for u_s in ("60", "81.65") for n in (1, 2)}
     document = RunResult((), over_repetitions(_plan(2), measured)).to_json()
     expected = {"mean": None, "standard_uncertainty": None, "n": 0, "unit": "Nm"}
+    expected |= {"reason": "no repetition has a value"}
     assert document["repeated"]["u_s_V=60"] == {"torque_mean": expected}
 
 
@@ -368,11 +369,14 @@ def test_what_is_of_type_b_in_every_repetition_is_in_their_mean(values: tuple[fl
     assert found.uncertainty.expanded > 1.95 * 0.5
 
 
-def _two(*values: float, standard: float, dof: float = 20.0) -> Repeated:
+def _two(
+    *values: float, standard: float, dof: float = 20.0, repeatability: Contribution | None = None
+) -> Repeated:
     budget = (Contribution("noise", "A", standard, dof),)
     each = Uncertainty(standard, "noise", dof, budget)
+    one = Measurement("torque_mean", 0.0, "Nm", "mean", uncertainty=each, repeatability=repeatability)
     measured = {
-        case.name: (Measurement("torque_mean", value, "Nm", "mean", uncertainty=each),)
+        case.name: (replace(one, value=value),)
         for case, value in zip(cases(_plan(2))[:2], values, strict=True)
     }
     (found,), *_ = over_repetitions(_plan(2), measured).values()
@@ -397,6 +401,18 @@ def test_repetitions_that_scatter_by_more_than_their_own_noise_are_known_by_the_
     assert found is not None
     assert [line.name for line in found.budget] == ["scatter over 2 repetitions"]
     assert found.dof == 1.0
+
+
+def test_the_scatter_of_repetitions_is_at_least_what_each_record_says_of_another() -> None:
+    """Of speeds that wander from record to record two that agree by chance had the U of their noise alone."""
+    wander = Contribution("wander of the speed", "A", 0.3, 20.0)
+    calm, wandering = _two(1.0, 1.01, standard=0.1), _two(1.0, 1.01, standard=0.1, repeatability=wander)
+    assert calm.uncertainty is not None
+    assert wandering.uncertainty is not None
+    assert calm.uncertainty.experimental == pytest.approx(0.1 / math.sqrt(2.0), rel=0.01)
+    assert wandering.uncertainty.experimental == pytest.approx(
+        math.hypot(0.1, 0.3) / math.sqrt(2.0), rel=0.01
+    )
 
 
 @pytest.mark.parametrize("repetitions", [2, 3, 5])
