@@ -1,3 +1,4 @@
+from .inference import Inferred as Inferred
 from .readings import (
     Readings as Readings,
     read_readings as read_readings,

@@ -13,15 +13,16 @@ Experiments, 8th edition, section 14 (nested factors).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri, fdtrc
+from scipy.special import fdtrc
 
 from benchtool.errors import AnalysisError
+from benchtool.gauge.inference import Draws, Inferred, expected_mean_square
 from benchtool.gauge.readings import Readings
 
 POOLED_ABOVE = 0.25
@@ -69,9 +70,8 @@ class GaugeStudy:
 
     `repeatability` is the spread of repetitions, `reproducibility` that of operators and of their interaction
     with parts, `mounting` that of mounting a part again; the gauge's own is the root of the sum of squares,
-    `gauge`, which lies in `gauge_interval` with 95 % (Graybill and Wang 1980, confidence intervals on
-    nonnegative linear combinations of variances). `part` is None where one part only was measured,
-    `mounting` where mountings were not told apart.
+    `gauge`. `part` is None where one part only was measured, `mounting` where mountings were not told apart.
+    `gauge_draws` and `total_draws` are what the gauge's deviation and the total one may be.
     """
 
     components: tuple[Component, ...]
@@ -80,8 +80,14 @@ class GaugeStudy:
     mounting: float | None
     part: float | None
     gauge: float
-    gauge_interval: tuple[float, float]
     tolerance: float | None
+    gauge_draws: Draws = field(repr=False, compare=False)
+    total_draws: Draws = field(repr=False, compare=False)
+
+    @property
+    def gauge_interval(self) -> tuple[float, float]:
+        """Where the gauge's standard deviation lies with 95 %."""
+        return Inferred(self.gauge, self.gauge_draws).interval
 
     @property
     def total(self) -> float:
@@ -89,14 +95,19 @@ class GaugeStudy:
         return math.hypot(self.gauge, self.part or 0.0)
 
     @property
-    def percent_of_total(self) -> float | None:
+    def percent_of_total(self) -> Inferred | None:
         """%GRR: the gauge's part of the total variation; None of one part, or where nothing varies."""
-        return None if self.part is None or self.total == 0.0 else 100.0 * self.gauge / self.total
+        if self.part is None or self.total == 0.0:
+            return None
+        return Inferred(100.0 * self.gauge / self.total, 100.0 * self.gauge_draws / self.total_draws)
 
     @property
-    def percent_of_tolerance(self) -> float | None:
+    def percent_of_tolerance(self) -> Inferred | None:
         """Six standard deviations of the gauge in percent of the tolerance."""
-        return None if self.tolerance is None else 100.0 * _OF_TOLERANCE * self.gauge / self.tolerance
+        if self.tolerance is None:
+            return None
+        share = 100.0 * _OF_TOLERANCE / self.tolerance
+        return Inferred(share * self.gauge, share * self.gauge_draws)
 
     @property
     def ndc(self) -> int | None:
@@ -134,7 +145,10 @@ def study(
     }
     squares = {source: (sums[source], dof) for source, dof in dofs.items() if dof > 0}
     interaction = _pooled(squares, pooled_above) if Source.INTERACTION in squares else None
+    axes = {source: axis for axis, source in enumerate(Source)}
+    expected = {source: expected_mean_square(*found, axes[source]) for source, found in squares.items()}
     components, weights = [], dict.fromkeys(squares, 0.0)
+    part_draws = np.zeros(1)
     for source, (total, dof) in squares.items():
         below = _denominator(source, squares)
         mean = total / dof
@@ -147,6 +161,8 @@ def study(
             F = mean / denominator if denominator > 0.0 else None
             p = None if F is None else float(fdtrc(dof, squares[below][1], F))
             variance = max(0.0, (mean - denominator) / times)
+            if source is Source.PART:
+                part_draws = np.maximum(0.0, (expected[source] - expected[below]) / times)
         if source is not Source.PART:
             weights[source] += 1.0 / times
             if below is not None:
@@ -158,6 +174,7 @@ def study(
     gauge = variances[Source.REPETITION] + reproducibility + (mounting or 0.0)
     if interaction is not None:
         components.append(interaction)
+    gauge_draws = np.sum([weights[source] * draws for source, draws in expected.items()], axis=0)
     return GaugeStudy(
         tuple(sorted(components, key=lambda each: list(Source).index(each.source))),
         math.sqrt(variances[Source.REPETITION]),
@@ -165,8 +182,9 @@ def study(
         None if mounting is None else math.sqrt(mounting),
         math.sqrt(variances[Source.PART]) if Source.PART in variances else None,
         math.sqrt(gauge),
-        _interval([(weights[source] * total / dof, dof) for source, (total, dof) in squares.items()]),
         tolerance,
+        np.sqrt(gauge_draws),
+        np.sqrt(gauge_draws + part_draws),
     )
 
 
@@ -227,11 +245,3 @@ def _readings_of_each(source: Source, shape: tuple[int, ...]) -> float:
             Source.MOUNTING: repetitions,
         }[source]
     )
-
-
-def _interval(terms: Sequence[tuple[float, int]]) -> tuple[float, float]:
-    """Return where the root of a sum of variances lies with 95 %; each has a number of degrees of freedom."""
-    total = sum(variance for variance, _ in terms)
-    below = sum((variance * (1.0 - dof / chdtri(dof, 0.025))) ** 2 for variance, dof in terms)
-    above = sum((variance * (dof / chdtri(dof, 0.975) - 1.0)) ** 2 for variance, dof in terms)
-    return math.sqrt(max(0.0, total - math.sqrt(below))), math.sqrt(total + math.sqrt(above))

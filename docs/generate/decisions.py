@@ -153,7 +153,7 @@ SECTIONS: Final = (
         "Tests by which a drive is accepted, the defects on which these tests are tried, and studies of "
         "repeatability (`benchtool.acceptance`, `benchtool.gauge`).",
         """
-        0139 0140 0142 0141 0123
+        0139 0140 0142 0141 0123 0514
         """,
     ),
     Section(

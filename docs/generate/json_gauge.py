@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-from docs.generate.json_results import Document
+from docs.generate.json_results import Document, VerdictWord
 
 
 class Design(Document):
@@ -57,8 +55,10 @@ class StandardDeviations(Document):
 class GaugeStudied(Document):
     """`gauge`."""
 
-    verdict: Literal["pass", "fail", "none"]
-    """Whether `--limit` is kept; `none` without it."""
+    verdict: VerdictWord
+    """Whether `--limit` is kept, by the rule of `--margin`; `none` without it."""
+    conformance: float | None = None
+    """Probability that %GRR is at most that limit."""
     file: str
     """The table."""
     readings: str
@@ -73,7 +73,11 @@ class GaugeStudied(Document):
     """Interval in which that of the gauge lies with 95 %."""
     percent_of_total: float | None
     """%GRR of the total variation."""
+    percent_of_total_interval: list[float] | None
+    """Interval in which it lies with 95 %."""
     percent_of_tolerance: float | None
     """Six standard deviations of the gauge in percent of the tolerance."""
+    percent_of_tolerance_interval: list[float] | None
+    """Interval in which that lies with 95 %."""
     ndc: int | None
     """Number of distinct categories."""

@@ -100,13 +100,41 @@ def test_bytes_that_are_no_text(tmp_path: Path) -> None:
         read_readings(tmp_path / "none.csv")
 
 
-@pytest.mark.parametrize(("limit", "exit_code", "verdict"), [("50", 0, "pass"), ("0.1", 1, "fail")])
-def test_the_command_judges(tmp_path: Path, limit: str, exit_code: int, verdict: str) -> None:
-    told = CliRunner().invoke(app, ["gauge", str(_table(tmp_path, WHOLE)), "--limit", limit, "--json"])
+@pytest.mark.parametrize(
+    ("limit", "margin", "exit_code", "verdict"),
+    [
+        ("50", (), 0, "pass"),
+        ("0.1", (), 1, "undecided"),
+        ("0.1", ("--margin", "U"), 1, "undecided"),
+        ("0.1", ("--margin", "0"), 1, "fail"),
+        ("0.001", (), 1, "fail"),
+        ("50", ("--margin", "0"), 0, "pass"),
+        ("50", ("--margin", "50"), 0, "marginal"),
+    ],
+)
+def test_the_command_judges_by_the_interval(
+    tmp_path: Path, limit: str, margin: tuple[str, ...], exit_code: int, verdict: str
+) -> None:
+    """Two parts and operators failed a limit that the interval held on both sides of, or passed it."""
+    table = str(_table(tmp_path, WHOLE))
+    told = CliRunner().invoke(app, ["gauge", table, "--limit", limit, *margin, "--json"])
     assert told.exit_code == exit_code, told.output
     document = json.loads(told.stdout)
     assert document["verdict"] == verdict
     assert document["design"] == {"parts": 2, "operators": 2, "mountings": 2, "repetitions": 3}
+    low, high = document["percent_of_total_interval"]
+    assert low < document["percent_of_total"] < high
+    assert 0.0 <= document["conformance"] <= 1.0
+    if not margin:
+        assert (high <= float(limit), low > float(limit)) == (verdict == "pass", verdict == "fail")
+
+
+@pytest.mark.parametrize("margin", ["u", "-1", "nan", "inf"])
+def test_a_margin_of_another_kind_is_refused(tmp_path: Path, margin: str) -> None:
+    table = str(_table(tmp_path, WHOLE))
+    told = CliRunner().invoke(app, ["gauge", table, "--limit", "30", f"--margin={margin}"])
+    assert told.exit_code == 2
+    assert "U or a number of percent from 0 on is expected" in told.stderr
 
 
 def test_for_people_it_is_a_table(tmp_path: Path) -> None:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from benchtool.errors import AnalysisError
-from benchtool.gauge import GaugeStudy, Readings, Source, study
+from benchtool.gauge import GaugeStudy, Inferred, Readings, Source, study
 
 # AIAG, Measurement Systems Analysis, 4th edition, figure III-B 15: three trials of ten parts by A, B and C
 PUBLISHED = np.array(
@@ -61,7 +62,10 @@ def test_the_published_study() -> None:
     assert result.reproducibility == pytest.approx(0.226838, abs=1e-6)
     assert result.gauge == pytest.approx(0.302373, abs=2e-6)
     assert result.part == pytest.approx(1.042327, abs=1e-6)
-    assert result.percent_of_total == pytest.approx(27.86, abs=5e-3)
+    assert result.percent_of_total is not None
+    assert result.percent_of_total.estimate == pytest.approx(27.86, abs=5e-3)
+    assert result.percent_of_total.interval == pytest.approx((15.3, 81.3), abs=0.1)  # of three operators
+    assert result.percent_of_total.probability_below(30.0) == pytest.approx(0.475, abs=5e-3)
     assert result.ndc == 4
     interaction = result.components[2]
     assert (interaction.source, interaction.dof, interaction.variance) == (Source.INTERACTION, 18, None)
@@ -124,9 +128,18 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(
     generator = np.random.default_rng(7)
     by_source = dict(zip(Source, deviations, strict=True))
     truth = math.sqrt(sum(deviation**2 for deviation in deviations[1:]))
-    found = [study(readings(drawn(generator, shape, by_source))) for _ in range(1000)]
-    held = np.mean([low <= truth <= high for low, high in (each.gauge_interval for each in found)])
-    assert 0.92 <= held <= 0.98
+    of_total = 100.0 * truth / math.hypot(truth, deviations[0])
+    found = [study(readings(drawn(generator, shape, by_source))) for _ in range(500)]
+    gauges = [Inferred(each.gauge, each.gauge_draws) for each in found]
+    low, high = gauges[0].interval
+    assert [gauges[0].probability_below(each) for each in (low, high)] == pytest.approx(
+        [0.025, 0.975], abs=1e-4
+    )
+    assert 0.92 <= np.mean([0.025 <= each.probability_below(truth) <= 0.975 for each in gauges]) <= 0.98
+    shares = [each.percent_of_total for each in found if each.percent_of_total is not None]
+    assert len(shares) == (0 if shape[0] == 1 else len(found))
+    held = [0.025 <= each.probability_below(of_total) <= 0.975 for each in shares]
+    assert not held or 0.92 <= np.mean(held) <= 0.99
     assert np.mean([each.gauge**2 for each in found]) == pytest.approx(truth**2, rel=0.1)
 
 
@@ -140,7 +153,11 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(
 def test_percentages_do_not_depend_on_the_unit(seed: int, scale: float, offset: float, sign: int) -> None:
     values = drawn(np.random.default_rng(seed), (4, 2, 2, 2), dict.fromkeys(Source, 1.0))
     as_read, converted = study(readings(values)), study(readings(scale * (sign * values + offset)))
-    assert converted.percent_of_total == pytest.approx(as_read.percent_of_total, rel=1e-6, abs=1e-6)
+    here, there = as_read.percent_of_total, converted.percent_of_total
+    assert here is not None
+    assert there is not None
+    assert there.estimate == pytest.approx(here.estimate, rel=1e-6, abs=1e-6)
+    assert there.interval == pytest.approx(here.interval, rel=1e-6, abs=1e-6)
     assert converted.gauge == pytest.approx(scale * as_read.gauge, rel=1e-6)
 
 
@@ -150,7 +167,8 @@ def test_one_part_has_no_variation_of_parts() -> None:
     assert result.part is None
     assert result.percent_of_total is None
     assert result.ndc is None
-    assert result.percent_of_tolerance == pytest.approx(50.0 * result.gauge)
+    assert result.percent_of_tolerance is not None
+    assert result.percent_of_tolerance.estimate == pytest.approx(50.0 * result.gauge)
     assert {each.source for each in result.components} == {
         Source.OPERATOR,
         Source.MOUNTING,
@@ -170,3 +188,11 @@ def test_readings_that_are_all_the_same_have_no_ratio() -> None:
 def test_a_tolerance_is_a_width(tolerance: float) -> None:
     with pytest.raises(AnalysisError, match="number above 0"):
         study(readings(PUBLISHED), tolerance)
+
+
+def test_draws_have_the_quantiles_of_chi_squared() -> None:
+    """Of one source that is all there is the interval is that of a variance, s sqrt(n / chi-squared)."""
+    values = drawn(np.random.default_rng(3), (1, 1, 1, 12), dict.fromkeys(Source, 1.0))
+    result = study(readings(values))
+    edges = [result.gauge * math.sqrt(11.0 / chdtri(11, tail)) for tail in (0.025, 0.975)]
+    assert result.gauge_interval == pytest.approx(edges, rel=1e-3)
