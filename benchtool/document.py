@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Strict, ValidationError
 from pydantic_core import ErrorDetails
 
 from benchtool.errors import MOST_REASONS, UsageError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.misfits import Path_, described, is_misspelt, key_meant, misfits
 
 _OF_64_BITS = 1 << 63
@@ -57,7 +58,7 @@ def defaults(model: type[Model]) -> Model:
 def document_path(
     name: str,
     place: Path | None,
-    kind: str,
+    kind: FileKind,
     names: Callable[[], Sequence[str]],
     error: type[UsageError],
 ) -> Path:
@@ -73,6 +74,8 @@ def document_path(
             return given
         raise error(f"no {kind} file {given}: give an existing TOML file or a name ({', '.join(names())})")
     if place is None or not place.is_file():
+        if told := mistaken(given, kind):
+            raise error(told)
         if (beside := Path(f"{name}.toml")).is_file():
             raise error(f"no {kind} ships by the name '{name}': did you mean the file '{beside}'?")
         raise error(f"no {kind} '{name}': {closest(name, names())}; or give a TOML file")
@@ -109,17 +112,20 @@ def load_document(
     error: type[UsageError],
     change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
     further: Further[Model] | None = None,
+    *,
+    kind: FileKind | None = None,
 ) -> Model:
     """Return the document at `path` as `model`.
 
     Args:
         change: may alter what the file has before that is checked.
         further: how all that is wrong is told at once, where something does not fit the model.
+        kind: what the file is to be, so that one of another kind is told as such.
 
     Raises:
         error: the file cannot be read, is not TOML, or does not fit the model; one line each.
     """
-    return parse_document(read_document(path, error), path, model, error, change, further)
+    return parse_document(read_document(path, error), path, model, error, change, further, kind=kind)
 
 
 def read_document(path: Path, error: type[UsageError]) -> str:
@@ -141,8 +147,31 @@ def parse_document(
     error: type[UsageError],
     change: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda content: content,
     further: Further[Model] | None = None,
+    *,
+    kind: FileKind | None = None,
 ) -> Model:
     """As `load_document`, of a text that has been read from `path`."""
+    try:
+        return _parsed(text, path, model, error, change, further)
+    except error:
+        if kind is not None and (told := mistaken(path, kind)):
+            raise error(told) from None
+        raise
+
+
+def _parsed(
+    text: str,
+    path: Path,
+    model: type[Model],
+    error: type[UsageError],
+    change: Callable[[Mapping[str, Any]], Mapping[str, Any]],
+    further: Further[Model] | None,
+) -> Model:
+    """Return a text as a document.
+
+    Raises:
+        error: it is not TOML, or does not fit the model.
+    """
     try:
         content = tomllib.loads(text)
         _require_64_bits(content)

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from benchtool.document import Array, Section, load_document
 from benchtool.errors import UsageError
+from benchtool.file_kinds import FileKind
 from benchtool.results import Waiver
 
 
@@ -27,7 +28,7 @@ def load_waivers(path: Path) -> tuple[Waiver, ...]:
         UsageError: it cannot be read, a key is wrong, or a waiver has no test, no reason or no name of who
             consents.
     """
-    found = load_document(path, _Waivers, UsageError).waiver
+    found = load_document(path, _Waivers, UsageError, kind=FileKind.WAIVERS).waiver
     for number, each in enumerate(found, start=1):
         place = f"{path}: waiver {number}"
         if bool(each.test) == bool(each.requirement):

@@ -166,8 +166,6 @@ def run_named(name: str, chosen: RunOptions) -> int:
     """
     options.require_temperature(chosen.temperature_degC)
     names = plan_names(name)
-    if not names:
-        raise PlanError(f"folder {name} holds no plans: TOML files are expected, one a plan")
     single = names == (name,)
     plans = [plan for each in names for plan in _read(each, chosen.profile, chosen.changes, single=single)]
     # Report errors in the plan before the modules that a run needs are loaded.

@@ -22,6 +22,7 @@ from benchtool.document import (
 )
 from benchtool.drive import Stimulus
 from benchtool.errors import PlanError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.plan.analyses import Analyses
 from benchtool.plan.former_names import upgraded
 from benchtool.plan.lazy_catalogue import catalogue
@@ -318,14 +319,21 @@ def plan_path(name: str) -> Path:
     """
     path = shipped("profiles") / f"{name}.toml"
     place = path if path.name != "profile.toml" else None
-    return document_path(name, place, "plan", shipped_plans, PlanError)
+    return document_path(name, place, FileKind.PLAN, shipped_plans, PlanError)
 
 
 def plan_names(name: str) -> tuple[str, ...]:
-    """Return plans of a folder, a shipped profile's (`zhu2011`) or another; a single plan's name as it is."""
+    """Return plans of a folder, a shipped profile's (`zhu2011`) or another; a single plan's name as it is.
+
+    Raises:
+        PlanError: a folder without any.
+    """
     for folder, prefix in ((shipped("profiles") / name, name), (Path(name), "")):
         if folder.is_dir() and folder != shipped("profiles"):
             files = sorted(path for path in folder.glob("*.toml") if path.name != "profile.toml")
+            if not files:
+                why = mistaken(folder, FileKind.PLAN)
+                raise PlanError(why or f"folder {name} holds no plans: TOML files are expected, one a plan")
             return tuple(f"{prefix}/{path.stem}" if prefix else str(path) for path in files)
     return (name,)
 
@@ -364,7 +372,7 @@ def load_plan(
         PlanError: unknown, unreadable, or a key is wrong.
     """
     rest = None if further is None else Further(further, _STAND_IN)
-    return load_document(plan_path(name), Plan, PlanError, change, rest)
+    return load_document(plan_path(name), Plan, PlanError, change, rest, kind=FileKind.PLAN)
 
 
 def profiles_of(name: str, plan: Plan) -> tuple[str, ...]:

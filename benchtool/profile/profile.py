@@ -19,6 +19,7 @@ from benchtool.document import (
     read_document,
 )
 from benchtool.errors import ProfileError
+from benchtool.file_kinds import FileKind, kind_of, mistaken
 from benchtool.misfits import explain
 from benchtool.profile.bench import Bench
 from benchtool.profile.claims import Choice, Claim
@@ -98,7 +99,7 @@ def profile_path(name: str) -> Path:
     """
     path = shipped("profiles") / name / "profile.toml"
     place = path if path.is_relative_to(shipped("profiles")) else None
-    return document_path(name, place, "profile", shipped_profiles, ProfileError)
+    return document_path(name, place, FileKind.PROFILE, shipped_profiles, ProfileError)
 
 
 def load_profile(name: str) -> Profile:
@@ -114,7 +115,7 @@ def load_profile(name: str) -> Profile:
 @lru_cache(maxsize=8)
 def _parsed(text: str, path: Path) -> Profile:
     """Return the profile that a file has; a run asks for the same one several times."""
-    return parse_document(text, path, Profile, ProfileError)
+    return parse_document(text, path, Profile, ProfileError, kind=FileKind.PROFILE)
 
 
 def bench_of(content: dict[str, Any]) -> Bench:
@@ -133,9 +134,11 @@ def load_bench(name: str) -> Bench:
         ProfileError: there is no such file, or its section is missing or wrong.
     """
     path = profile_path(name)
-    found = load_document(path, _BenchOfDocument, ProfileError)
+    found = load_document(path, _BenchOfDocument, ProfileError, kind=FileKind.BENCH)
     if "bench" not in found.model_fields_set:
-        raise ProfileError(f"{path} has no section [bench]: state the sensors there, [bench.channels.NAME]")
+        missing = f"{path} has no section [bench]: state the sensors there, [bench.channels.NAME]"
+        is_profile = kind_of(path) is FileKind.PROFILE
+        raise ProfileError(missing if is_profile else mistaken(path, FileKind.BENCH) or missing)
     return found.bench
 
 

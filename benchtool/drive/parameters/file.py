@@ -15,6 +15,7 @@ from benchtool.document import Section, load_document
 from benchtool.drive.identity import Identity
 from benchtool.drive.parameters.migration import Hash, Migrations
 from benchtool.errors import ParameterFileError
+from benchtool.file_kinds import FileKind
 from benchtool.protocol.dictionary import Dictionary, Variable, toml_key
 from benchtool.recording import write_whole
 
@@ -91,7 +92,7 @@ def read_parameter_file(path: Path) -> ParameterFile:
     Raises:
         ParameterFileError: unreadable, not TOML, or not of this form.
     """
-    return load_document(path, ParameterFile, ParameterFileError)
+    return load_document(path, ParameterFile, ParameterFileError, kind=FileKind.PARAMETERS)
 
 
 def write_parameter_file(path: Path, text: str) -> None:

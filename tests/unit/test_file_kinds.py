@@ -1,0 +1,83 @@
+"""A file of another kind than is expected is told as what it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from benchtool.acceptance.waivers import load_waivers
+from benchtool.drive.parameters.file import read_parameter_file
+from benchtool.errors import UsageError
+from benchtool.file_kinds import FileKind, kind_of
+from benchtool.plan import load_plan, plan_names
+from benchtool.profile import load_bench, load_profile
+from benchtool.shipped import shipped
+
+TEXTS = {
+    FileKind.PLAN: 'title = "t"\nprofile = "zhu2011"\n[record]\nduration_s = 1.0\n',
+    FileKind.PROFILE: 'title = "t"\n[motor]\npole_pairs = 4\n[limits]\ntorque_Nm = 1.0\n',
+    FileKind.BENCH: "[bench.channels.i_a]\ngain_U_percent = 0.2\n",
+    FileKind.PARAMETERS: "[drive]\nvendor_id = 1\n[parameters]\nu_s_V = 1.0\n[profile]\nfile = 3\n",
+    FileKind.WAIVERS: '[[waiver]]\ntest = "x"\n',
+    FileKind.EDS: (shipped("firmware_protocol") / "drive.eds").read_text(encoding="utf-8"),
+    FileKind.MANIFEST: '{"what": "a run", "when": "2026-01-01T00:00:00+00:00"}\n',
+}
+READERS: dict[FileKind, Callable[[Path], object]] = {
+    FileKind.PLAN: lambda path: load_plan(str(path)),
+    FileKind.PROFILE: lambda path: load_profile(str(path)),
+    FileKind.BENCH: lambda path: load_bench(str(path)),
+    FileKind.PARAMETERS: read_parameter_file,
+    FileKind.WAIVERS: load_waivers,
+}
+
+
+def _file(folder: Path, kind: FileKind, suffix: str = ".toml") -> Path:
+    path = folder / f"given{suffix}"
+    path.write_text(TEXTS[kind], encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("given", TEXTS)
+@pytest.mark.parametrize("expected", READERS)
+def test_one_sentence_says_what_it_is_and_what_to_do(
+    tmp_path: Path, given: FileKind, expected: FileKind
+) -> None:
+    """A profile in place of a plan had four unknown keys."""
+    path = _file(tmp_path, given)
+    assert kind_of(path) is given
+    if given is expected or (given, expected) == (FileKind.PROFILE, FileKind.BENCH):  # which has a bench
+        return
+    with pytest.raises(UsageError) as refused:
+        READERS[expected](path)
+    assert str(refused.value).startswith(f"{path} is a {given}, and a {expected} is expected: ")
+    assert getattr(refused.value, "__notes__", []) == []
+
+
+@pytest.mark.parametrize("given", [FileKind.EDS, FileKind.MANIFEST])
+@pytest.mark.parametrize("expected", [FileKind.PLAN, FileKind.PROFILE])
+def test_so_does_one_with_its_own_suffix(tmp_path: Path, given: FileKind, expected: FileKind) -> None:
+    path = _file(tmp_path, given, ".eds" if given is FileKind.EDS else ".json")
+    with pytest.raises(UsageError, match=rf"is a .*, and a {expected} is expected: "):
+        READERS[expected](path)
+
+
+@pytest.mark.parametrize("place", ["", "case"])
+def test_a_recorded_run_is_no_folder_of_plans(tmp_path: Path, place: str) -> None:
+    (tmp_path / place).mkdir(exist_ok=True)
+    (tmp_path / place / "manifest.json").write_text("{}", encoding="utf-8")
+    for read in (lambda: plan_names(str(tmp_path)), lambda: load_profile(str(tmp_path))):
+        with pytest.raises(UsageError, match="is a folder of a recorded run, and a p"):
+            read()
+
+
+def test_a_misspelt_key_makes_no_other_kind(tmp_path: Path) -> None:
+    """It may be a table of another kind: what is wrong with the rest is told then."""
+    path = _file(tmp_path, FileKind.PLAN)
+    path.write_text(f"{TEXTS[FileKind.PLAN]}[motor]\npole_pairs = 4\n", encoding="utf-8")
+    assert kind_of(path) is None
+    with pytest.raises(UsageError, match="unknown key 'motor'"):
+        load_plan(str(path))
+    assert kind_of(tmp_path / "none") is None
+    assert kind_of(tmp_path) is None
