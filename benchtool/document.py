@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import json
+import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -97,12 +98,13 @@ Faults = Iterable[tuple[Path_, str]]
 
 @dataclass(frozen=True)
 class Further(Generic[Model]):
-    """What else is wrong in a document of which something does not fit the model: `faults` of the rest.
+    """What else is wrong in a document of which something does not fit the model: `faults` of the rest, in
+    which the places of the second argument are left out.
 
     `stand_in` has values that nothing is wrong with, for those that a document needs and that are left out.
     """
 
-    faults: Callable[[Model], Faults]
+    faults: Callable[[Model, frozenset[Path_]], Faults]
     stand_in: Mapping[str, Any]
 
 
@@ -191,8 +193,11 @@ def _parsed(
         return checked.rest
     reasons = [(place, described(model, detail)) for place, detail in checked.wrong[:MOST_REASONS]]
     if further is not None and checked.rest is not None:
-        reasons += [each for each in further.faults(checked.rest) if not checked.follows(each[0])]
-    told = dict.fromkeys(f"{path}{line_of(text, place)}: {reason}" for place, reason in reasons)
+        rest = further.faults(checked.rest, checked.left_out)
+        reasons += [each for each in rest if not checked.follows(each[0])]
+    told = dict.fromkeys(
+        f"{path}{line_of(text, place)}: {reason}" for place, reason in by_line(text, reasons)
+    )
     raise error.of_all(list(told), max(len(told), len(checked.wrong)))
 
 
@@ -226,7 +231,9 @@ class _Checked(Generic[Model]):
                 misspelt = is_misspelt(detail)
                 content = _corrected(content, place, key_meant(model, detail) if misspelt else "")
                 found = found if misspelt else replace(found, left_out=found.left_out | {place})
-            for place in () if new else found.left_out:
+            for place in (
+                found.left_out if content is before else ()
+            ):  # a missing key is not corrected, and filled in
                 content = _filled(content, place, stand_in)
             if content is before:
                 return found
@@ -296,8 +303,19 @@ def _reason(reason: OSError | UnicodeDecodeError) -> str:
     return reason.strerror or str(reason) if isinstance(reason, OSError) else "it is not UTF-8 text"
 
 
+def by_line(text: str, faults: Faults) -> list[tuple[Path_, str]]:
+    """Return faults in the order of their lines; those whose place is not in the text last."""
+    return sorted(faults, key=lambda fault: _line_number(text, fault[0]) or math.inf)
+
+
 def line_of(text: str, location: Path_) -> str:
-    """`, line N` of the assignment or the table that `location` names; empty where it is not in the text.
+    """`, line N` of the assignment or the table that `location` names; empty where it is not in the text."""
+    number = _line_number(text, location)
+    return "" if number is None else f", line {number}"
+
+
+def _line_number(text: str, location: Path_) -> int | None:
+    """Return the number of the line of the assignment or the table that `location` names.
 
     A number in `location` counts the tables of an array (`[[variants]]`) from 0.
     """
@@ -320,7 +338,7 @@ def line_of(text: str, location: Path_) -> str:
         passed = any(seen.get(name, at) != at for name, at in counts.items() if name in parts)
         if parts[:depth] == wanted[:depth] and not passed and (best is None or depth > best[0]):
             best = (depth, number)
-    return f", line {best[1]}" if best else ""
+    return None if best is None else best[1]
 
 
 def _parts(keys: str) -> list[str]:

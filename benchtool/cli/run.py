@@ -14,6 +14,7 @@ import typer
 from benchtool.cli import options, proposals
 from benchtool.document import Faults
 from benchtool.errors import BenchError, NoSuchRecording, PlanError, UsageError
+from benchtool.misfits import Path_
 from benchtool.plan import Plan, for_motor, load_plan, plan_names, plan_path, profiles_of
 from benchtool.profile import load_profile, profile_path
 
@@ -195,7 +196,7 @@ def _read(name: str, profile: str, given: tuple[str, ...], *, single: bool) -> I
         yield NamedPlan(name, in_si, place, label, part)
 
 
-def _further_faults(name: str, profile: str, rest: Plan) -> Faults:
+def _further_faults(name: str, profile: str, rest: Plan, left_out: frozenset[Path_]) -> Faults:
     """Yield what is wrong of the names and values in the rest of a plan of which a key is wrong, by its first
     profile."""
     from benchtool.plan import Source, faults_of  # which import the analyses
@@ -207,7 +208,7 @@ def _further_faults(name: str, profile: str, rest: Plan) -> Faults:
         dictionary = profiled_dictionary(stated, profile_path(place), stated.drive.node_id)
         source, in_si = Source.of(rest, plan_path(name)), for_motor(rest, stated.motor)
         # whether the bench has a transducer is told likewise
-        yield from faults_of(in_si, source, stated, dictionary, transducer=True)
+        yield from faults_of(in_si, source, stated, dictionary, transducer=True, left_out=left_out)
 
 
 def _changed(name: str, profile: str, given: tuple[str, ...]) -> Plan:

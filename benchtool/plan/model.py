@@ -23,6 +23,7 @@ from benchtool.document import (
 from benchtool.drive import Stimulus
 from benchtool.errors import PlanError
 from benchtool.file_kinds import FileKind, mistaken
+from benchtool.misfits import Path_
 from benchtool.plan.analyses import Analyses
 from benchtool.plan.former_names import upgraded
 from benchtool.plan.lazy_catalogue import catalogue
@@ -350,7 +351,7 @@ def recorded_plan(document: Mapping[str, Any]) -> Plan:
 _STAND_IN: Final = {
     "title": "-",
     "operating_point": {"omega_m_rad_s": 1e4},  # of which every record has many periods
-    "record": {"duration_s": 3600.0},
+    "record": {"duration_s": 3600.0, "channels": ["torque"]},
 }
 """What a plan needs, with values by which nothing else in it is wrong."""
 Change = Callable[[Mapping[str, Any]], Mapping[str, Any]]
@@ -359,14 +360,15 @@ Change = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 def load_plan(
     name: str,
     change: Change = lambda content: content,
-    further: Callable[[Plan], Faults] | None = None,
+    further: Callable[[Plan, frozenset[Path_]], Faults] | None = None,
 ) -> Plan:
     """Return the plan of a name or of a file.
 
     Args:
         name: of a plan that ships, or a file.
         change: may alter what the file has before that is checked.
-        further: what else is wrong in the rest of a plan of which a key is wrong.
+        further: what else is wrong in the rest of a plan of which a key is wrong, in which some places are
+            left out.
 
     Raises:
         PlanError: unknown, unreadable, or a key is wrong.

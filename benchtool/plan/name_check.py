@@ -30,6 +30,7 @@ class NameCheck:
         motor: its machine.
         transducer: whether the bench has a torque transducer.
         stream: whether the drive has a slow stream, which the certificate measures too.
+        channels: that are recorded.
         units: of the signals that the drive has.
     """
 
@@ -37,6 +38,7 @@ class NameCheck:
     motor: Motor
     transducer: bool
     stream: bool
+    channels: frozenset[str]
     units: Mapping[str, str] = field(default_factory=dict)
 
     def faults(self) -> Faults:
@@ -62,14 +64,16 @@ class NameCheck:
     def _analysis_faults(self) -> Faults:
         """Yield the requested analyses that the recorded channels do not allow."""
         for analysis, settings in self.plan.analyses.demanded():
-            for key in analysis.channel_settings:
-                if (channel := getattr(settings, key)) and channel not in self._channels:
-                    yield (
-                        ("analyses", analysis.name, key),
-                        f"is '{channel}', which record.channels does not have: add it there, or choose one "
-                        f"of {', '.join(self.plan.record.channels)}",
-                    )
-            if not self._possible(analysis, settings):
+            unknown = {key: getattr(settings, key) for key in analysis.channel_settings}
+            unknown = {key: name for key, name in unknown.items() if name and name not in self.channels}
+            for key, channel in unknown.items():
+                yield (
+                    ("analyses", analysis.name, key),
+                    f"is '{channel}', which record.channels does not have: add it there, or choose one "
+                    f"of {', '.join(self.plan.record.channels)}",
+                )
+            untold = set(analysis.missing(self.channels, settings)) - set(unknown.values())
+            if (untold or not unknown) and not self._possible(analysis, settings):
                 yield (
                     ("analyses", analysis.name),
                     f"analyses.{analysis.name} {self._lacks(analysis, settings)}",
@@ -91,7 +95,7 @@ class NameCheck:
             return
         settings = plan.analyses.settings(declared[0])
         needed = declared[0].needs(settings) if settings is not None and not drawing.of_recording else ()
-        if lacking := [name for name in (*drawing.channels, *needed) if name not in self._channels]:
+        if lacking := [name for name in (*drawing.channels, *needed) if name not in self.channels]:
             yield (
                 ("figure",),
                 f"figure = '{plan.figure}' draws {', '.join(lacking)}, which record.channels does not have: "
@@ -209,10 +213,6 @@ class NameCheck:
         return tuple(each for each in catalogue().analyses if self.plan.analyses.made(each))
 
     @property
-    def _channels(self) -> frozenset[str]:
-        return frozenset(self.plan.record.channels)
-
-    @property
     def _reached(self) -> Mapping[str, str]:
         """Units of the measurements of the operating point."""
         wanted = (targets(case.operating_point, self.motor, None) for case in cases(self.plan))
@@ -220,11 +220,11 @@ class NameCheck:
 
     def _possible(self, analysis: Analysis[Section], settings: Section) -> bool:
         stride = self.plan.record.stride
-        return analysis.possible(self._channels, settings, transducer=self.transducer, stride=stride)
+        return analysis.possible(self.channels, settings, transducer=self.transducer, stride=stride)
 
     def _lacks(self, analysis: Analysis[Section], settings: Section) -> str:
         """Return what keeps an analysis from being made."""
-        if lacking := analysis.missing(self._channels, settings):
+        if lacking := analysis.missing(self.channels, settings):
             return f"needs {', '.join(lacking)}, which record.channels does not have: add what is missing"
         if analysis.transducer and not self.transducer:
             return "needs a torque transducer, which the bench at this link does not have: leave it out"

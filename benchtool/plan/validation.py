@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
 from benchtool.analysis.responses import FREQUENCY_RESPONSE
-from benchtool.document import closest, line_of
+from benchtool.document import by_line, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
 from benchtool.misfits import Path_
 from benchtool.plan.analyses import spelled
@@ -57,29 +57,41 @@ def require_known(
         PlanError: something is unknown, out of its limits or cannot be measured; the message names file, line
             and key of each such thing, a line for each.
     """
+    text = "" if profile_file is None else profile_file.read_text(encoding="utf-8")
+    stated = f"profile '{profile.title}'" if profile_file is None else str(profile_file)
     wrong = [
-        f"{_in_profile(profile, profile_file, location)}, [{table}]: {reason}"
-        for location, table, reason in _profile_faults(profile, dictionary)
+        f"{stated}{line_of(text, location)}, [{'.'.join(map(str, location[:-1]))}]: {reason}"
+        for location, reason in by_line(text, _profile_faults(profile, dictionary))
     ]
     if wrong:
         raise ProfileError.of_all(wrong)
     source = Source.of(plan, path)
-    found = faults_of(plan, source, profile, dictionary, transducer=transducer)
+    found = by_line(source.text, faults_of(plan, source, profile, dictionary, transducer=transducer))
     if reasons := dict.fromkeys(f"{source.place(location)}: {reason}" for location, reason in found):
         raise PlanError.of_all(list(reasons))
 
 
 def faults_of(
-    plan: Plan, source: Source, profile: Profile, dictionary: Dictionary, *, transducer: bool
+    plan: Plan,
+    source: Source,
+    profile: Profile,
+    dictionary: Dictionary,
+    *,
+    transducer: bool,
+    left_out: Collection[Path_] = (),
 ) -> Faults:
     """Yield each name and value of a plan that is unknown, out of its limits or cannot be measured: where,
     and why.
 
-    Args: as `require_known`; `source` is where the plan comes from.
+    Args: as `require_known`; `source` is where the plan comes from, and `left_out` are the places where
+        something else is wrong, for which the plan has other values.
     """
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
-    naming = NameCheck(plan, profile.motor, transducer, stream, units)
+    channels = plan.record.channels
+    if {("record",), ("record", "channels")} & set(left_out):
+        channels = tuple(units)  # what is recorded is not known, so that nothing lacks a channel
+    naming = NameCheck(plan, profile.motor, transducer, stream, frozenset(channels), units)
     yield from itertools.chain(
         _setting_faults(plan, dictionary),
         _channel_faults(plan, dictionary),
@@ -92,16 +104,15 @@ def faults_of(
     )
 
 
-def _profile_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[Path_, str, str]]:
-    """Yield the parameters and sensors that a profile states and that cannot be: where, in which table, and
-    why."""
+def _profile_faults(profile: Profile, dictionary: Dictionary) -> Faults:
+    """Yield the parameters and sensors that a profile states and that cannot be: where, and why."""
     for key, value in profile.drive.parameters.items():
         try:
             setting_of(dictionary, key, value)
         except ValueRefused as refused:
-            yield ("drive", "parameters", key), "drive.parameters", str(refused)
+            yield ("drive", "parameters", key), str(refused)
     for name, reason in _sensor_faults(profile, dictionary):
-        yield ("bench", "channels", name), "bench.channels", reason
+        yield ("bench", "channels", name), reason
     clock = {} if profile.bench.clock is None else {"clock": profile.bench.clock}
     today = date.today()
     for location, instrument in (
@@ -110,14 +121,7 @@ def _profile_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[
     ):
         if instrument.calibrated is not None and instrument.calibrated > today:
             why = f"calibrated on {instrument.calibrated}, and today is {today}: state the day when it was"
-            yield ("bench", *location, "calibrated"), ".".join(("bench", *location)), why
-
-
-def _in_profile(profile: Profile, file: Path | None, location: Path_) -> str:
-    """Return the place of a key of the profile: file and line, or the profile by its title."""
-    if file is None:
-        return f"profile '{profile.title}'"
-    return f"{file}{line_of(file.read_text(encoding='utf-8'), location)}"
+            yield ("bench", *location, "calibrated"), why
 
 
 def _sensor_faults(profile: Profile, dictionary: Dictionary) -> Iterator[tuple[str, str]]:

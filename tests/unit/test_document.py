@@ -172,3 +172,44 @@ omega_m_rad_s = 15.71
 duration_s = 0.5
 channels = ["torque", "theta_m"]
 """
+
+
+def _lines_told(path: Path, text: str) -> list[str]:
+    path.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(path)])
+    assert result.exit_code == 2
+    return [each.partition(f"{path}")[2] for each in result.stderr.splitlines()]
+
+
+@pytest.mark.parametrize("text", [WRONG_IN_EVERY_WAY, KNOWN_TO_NONE])
+def test_what_is_wrong_is_told_in_the_order_of_the_lines(tmp_path: Path, text: str) -> None:
+    """It came by what had found it: keys, then settings, channels, and names last."""
+    told = _lines_told(tmp_path / "bad.toml", text)
+    numbers = [
+        int(each.removeprefix(", line ").partition(":")[0]) for each in told if each.startswith(", line")
+    ]
+    assert len(numbers) > 4
+    assert numbers == sorted(numbers)
+
+
+def test_names_are_told_where_no_channels_are_stated(tmp_path: Path) -> None:
+    """A misspelt limit and an unknown value were told in a second round, once record.channels was there."""
+    text = """
+title = "x"
+profile = "zhu2011"
+setup = { law = "tcp" }
+operating_point = { omega_m_rad_s = 15.71 }
+record = { duration_s = 0.52 }
+[limits]
+torque_riple_pp = { max = 0.06 }
+current_fundamental = { max = 0.06, unit = "V" }
+flux_ripple_pp = { max = 0.06 }
+"""
+    begin = (
+        ", line 4: law is 'tcp', the values are tpc",
+        ", line 6: key 'record.channels' is missing: add it",
+        ", line 8: no measurement is called 'torque_riple_pp': did you mean 'torque_ripple_pp'?",
+        ", line 9: the limit of 'current_fundamental' is in V, that is in A",
+    )
+    told = _lines_told(tmp_path / "bad.toml", text)
+    assert all(each.startswith(what) for each, what in zip(told, begin, strict=True)), told
