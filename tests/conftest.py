@@ -23,6 +23,7 @@ from hypothesis.internal.conjecture import providers
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 # What one process has compiled, the other workers and some hundred child processes read.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.pop("COLUMNS", None)  # of the shell, by which tables would be laid out
 
 from benchtool.cli.exit_codes import OBJECTS
 from benchtool.link import import_can_without_mdf

@@ -4,6 +4,7 @@ standard output."""
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from benchtool.results import Overdue, RecordedRun
 
 _WIDTH_OF_A_PIPE = 140
+_NARROWEST = 20  # a table of fewer cells is none
 VERDICT_COLOURS = {
     "pass": "green",
     "marginal": "yellow",
@@ -141,9 +143,11 @@ def warn_overdue(output: Output, overdue: Iterable[Overdue]) -> None:
 
 
 def _console(*, stderr: bool) -> Console:
-    """Return a console as wide as its terminal; a file or a pipe takes what a table needs. No text is
-    markup."""
+    """Return a console as wide as the environment states in COLUMNS, else as its terminal; a file or a pipe
+    takes what a table needs. No text is markup."""
     console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
-    if not console.is_terminal:
+    stated = os.environ.get("COLUMNS", "")  # which rich reads as it is
+    is_stated = stated.isdigit() and int(stated) >= _NARROWEST
+    if not (console.is_terminal or is_stated):
         console.width = _WIDTH_OF_A_PIPE
     return console

@@ -46,3 +46,17 @@ def test_a_heading_is_broken_before_it_widens_its_column() -> None:
     column = Column(">transducer_torque_ripple_pp (Nm)", ("0.1919 ± 0.0037",))
     assert column.width == len("0.1919 ± 0.0037")
     assert column.fitted == ">transducer_\ntorque_ripple_\npp (Nm)"
+
+
+@pytest.mark.parametrize(
+    ("stated", "width"), [("80", 80), ("400", 400), ("", 140), ("0", 140), ("wide", 140)]
+)
+def test_a_pipe_is_as_wide_as_the_environment_says(
+    stated: str, width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Piped tables had 140 columns, whatever COLUMNS said."""
+    monkeypatch.setenv("COLUMNS", stated)
+    output = Output(as_json=False)
+    assert output.width == width
+    show_beside(output, "title", [NAMES], [_case(each) for each in range(7)], [UNITS])
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= width
