@@ -52,6 +52,7 @@ from .noise.noise import (
 )
 from .numbers import (
     NOTHING as NOTHING,
+    as_written as as_written,
     count_of as count_of,
     degrees as degrees,
     number as number,

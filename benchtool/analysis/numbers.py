@@ -13,6 +13,8 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DIGITS = 4
 _MOST_DIGITS = 10
 _GIVEN_DIGITS = 7
+_DIGITS_OF_A_PERSON = 12  # beyond these are the rounding errors of binary numbers
+_OF_ONE_SIZE = 1e3
 _LEAST_PROBABILITY = 0.001
 _SMALLEST, _LARGEST = 1e-3, 1e6  # outside, powers of ten are set apart
 _PLAIN = 1e9  # whole numbers below it are written out
@@ -106,6 +108,24 @@ def raw(value: object, digits: int = _GIVEN_DIGITS) -> str:
     if 1.0 < abs(value) < _PLAIN:
         return _signed(f"{float(f'{factor}e{exponent}'):.0f}")
     return _signed(f"{factor} × {_power(int(exponent))}")
+
+
+def as_written(*values: float) -> tuple[str, ...]:
+    """Return numbers with the digits that a person has written, ten at most, of a computed one seven; those
+    of one size in one style, all plain or all with the power of ten of the largest."""
+    texts = [raw(value, _DIGITS_OF_A_PERSON) for value in values]
+    texts = [
+        text
+        if sum(each.isdigit() for each in text.partition(" ")[0].lstrip("−0.")) <= _MOST_DIGITS
+        else raw(value)
+        for value, text in zip(values, texts, strict=True)
+    ]
+    sizes = [abs(value) for value in values if value]
+    has_power = [" × " in text for value, text in zip(values, texts, strict=True) if value]
+    if not any(has_power) or all(has_power) or max(sizes) > _OF_ONE_SIZE * min(sizes):
+        return tuple(texts)
+    exponent = _exponent(max(sizes), _GIVEN_DIGITS)
+    return tuple(f"{raw(value / 10.0**exponent)} × {_power(exponent)}" if value else "0" for value in values)
 
 
 def _exponent(value: float, digits: int) -> int:

@@ -89,7 +89,7 @@ def switching_frequency(block: Block) -> Measurement:
         "switching_frequency_mean",
         value_Hz,
         "Hz",
-        "turn-ons of the three upper switches / (3 x duration)",
+        "number of times that an upper switch turns on, of all three legs / (3 x duration)",
         Basis(len(count), rate_Hz, duration_s, gaps=0),
         uncertain,
         uncertainty_reason=TOO_SLOW if uncertain is None else "",
@@ -259,7 +259,7 @@ SWITCHING_FREQUENCY: Final = Analysis(
         Quantity(
             ("switching_frequency_mean",),
             "Hz",
-            "turn-ons of the three upper switches / (3 x duration)",
+            "number of times that an upper switch turns on, of all three legs / (3 x duration)",
             "one count of each leg, `1 / (3 sqrt(2) duration)`, and what exceeds that of the scatter over 64 "
             "parts with their correlation, or the five lowest frequencies where these hold less than a fifth "
             "of that, or the density continued to zero frequency where that is 1.4 times as much",

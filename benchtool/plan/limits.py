@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from benchtool.analysis import raw, with_unit
+from benchtool.analysis import as_written, raw, with_unit
 from benchtool.document import Section, unit_suffix
 
 if TYPE_CHECKING:
@@ -182,27 +182,34 @@ class Limit(Section):
     def shortfall(self, value: float, unit: str) -> str:
         """Return the bound that a value in its unit violates and by how much; empty if it violates none."""
         if self.min is not None and value < self.min:
-            least, lacking = with_unit(raw(self.min), unit), with_unit(raw(self.min - value, 3), unit)
+            least, lacking = (
+                with_unit(as_written(self.min)[0], unit),
+                with_unit(raw(self.min - value, 3), unit),
+            )
             return f"at least {least} is asked for: {lacking} too little"
         if self.max is not None and value > self.max:
-            greatest, beyond = with_unit(raw(self.max), unit), with_unit(raw(value - self.max, 3), unit)
+            greatest, beyond = (
+                with_unit(as_written(self.max)[0], unit),
+                with_unit(raw(value - self.max, 3), unit),
+            )
             return f"at most {greatest} is allowed: {beyond} too much"
         return ""
 
     @property
     def bounds(self) -> str:
-        """`≥ 1, ≤ 2`, or `= 1`."""
+        """`≥ 1, ≤ 2`, or `= 1`, as they were written."""
         if self.min is not None and self.min == self.max:
             return f"= {raw(self.min, 12)}"
-        signs = (("≥", self.min), ("≤", self.max))
-        return ", ".join(f"{sign} {raw(bound)}" for sign, bound in signs if bound is not None)
+        signs = {sign: bound for sign, bound in (("≥", self.min), ("≤", self.max)) if bound is not None}
+        texts = as_written(*signs.values())
+        return ", ".join(f"{sign} {text}" for sign, text in zip(signs, texts, strict=True))
 
     @property
     def rule(self) -> str:
         """The decision rule, in words."""
         if self.margin == "U":
             return "guard band U (95 %)"
-        return f"marginal within {raw(self.margin)}" if self.margin else SIMPLE
+        return f"marginal within {as_written(self.margin)[0]}" if self.margin else SIMPLE
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

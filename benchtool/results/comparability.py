@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from benchtool.analysis import Correction, Measurement, Uncertainty, of_difference, raw
+from benchtool.analysis import Correction, Measurement, Uncertainty, of_difference, raw, with_unit
 
 _SAME_LINE = 2.0  # bins of both spectra: half the main lobe of a Hann window
 SAME: Final = 0.01
@@ -66,19 +66,27 @@ def _other_extent(one: Measurement, two: Measurement) -> str:
     """Return that noise is stated of bins of other widths, that a signal settled within another band, or that
     a transient was followed for another time; empty if they are the same."""
     here, there = one.basis, two.basis
-    for first, second, unit, what in (
-        (here.bin_Hz, there.bin_Hz, " Hz", "bins, which hold other shares of the noise: compare its density"),
-        (
-            here.band,
-            there.band,
-            "",
-            "bands within which it counts as settled, by step or noise of each record",
-        ),
-        (here.span_s, there.span_s, " s", "times after the step, over which its samples count"),
-    ):
-        if first is not None and second is not None and abs(first - second) > SAME * max(first, second):
-            return f"{raw(first, 4)}{unit} in the reference and {raw(second, 4)}{unit} here are two {what}"
+    if bins := _unlike(here.bin_Hz, there.bin_Hz, "Hz"):
+        return (
+            f"a bin is {bins[0]} wide in the reference and {bins[1]} here, and holds another share of the "
+            f"noise: compare its density"
+        )
+    if bands := _unlike(here.band, there.band, ""):
+        return (
+            f"it counts as settled within {bands[0]} of its level in the reference and within {bands[1]} "
+            f"here, by the step or the noise of each record"
+        )
+    if spans := _unlike(here.span_s, there.span_s, "s"):
+        return f"samples count for {spans[0]} after the step in the reference and for {spans[1]} here"
     return ""
+
+
+def _unlike(one: float | None, two: float | None, unit: str) -> tuple[str, str] | None:
+    """Return two sizes with their unit where they differ; None where they are the same, or one is not
+    stated."""
+    if one is None or two is None or abs(one - two) <= SAME * max(one, two):
+        return None
+    return with_unit(raw(one, 4), unit), with_unit(raw(two, 4), unit)
 
 
 def _corrected_alone(one: Measurement, two: Measurement) -> str:

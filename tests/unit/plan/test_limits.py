@@ -153,6 +153,14 @@ def test_what_is_undecided_is_not_met() -> None:
         (Limit(min=1.0, max=2.5), "≥ 1, ≤ 2.5"),
         (Limit(max=2.5), "≤ 2.5"),
         (Limit(min=3205130000.0, max=3205130000.0), "= 3205130000"),
+        # of one size in one style
+        (Limit(min=1e-4 * (1.0 - 1e-5), max=1e-4 * (1.0 + 1e-5)), "≥ 0.99999 × 10⁻⁴, ≤ 1.00001 × 10⁻⁴"),
+        (Limit(min=-1e-5, max=2e-4), "≥ −0.1 × 10⁻⁴, ≤ 2 × 10⁻⁴"),
+        (Limit(min=0.0, max=1e-5), "≥ 0, ≤ 1 × 10⁻⁵"),
+        (Limit(min=1e-7, max=3.0), "≥ 1 × 10⁻⁷, ≤ 3"),
+        # what was written, and what was computed
+        (Limit(max=0.123456789), "≤ 0.123456789"),
+        (Limit(min=15.71 * 0.95, max=1.0 / 3.0 + 15.71), "≥ 14.9245, ≤ 16.04333"),
     ],
 )
 def test_bounds_in_words(limit: Limit, text: str) -> None:
@@ -208,7 +216,7 @@ def test_a_limit_without_a_probability_says_why(
         (Limit(min=2.0), 1.5, Verdict.FAIL, "is 1.500 Nm, at least 2 Nm is asked for: 0.5 Nm too little"),
         (
             Limit(max=12345678.0),
-            *(12355678.0, Verdict.FAIL, "is 12355678 Nm, at most 12345680 Nm is allowed: 10000 Nm too much"),
+            *(12355678.0, Verdict.FAIL, "is 12355678 Nm, at most 12345678 Nm is allowed: 10000 Nm too much"),
         ),
         (
             Limit(max=1e-6),
