@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace as copied
 from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
-from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.statistics.density_bands import FEWEST_BINS, SINGLE, Bands
+from benchtool.analysis.statistics.falling_densities import falling_densities
 from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
@@ -28,23 +28,17 @@ _LOWEST = 1.0 / 24.0  # cycles in the record: noise that rises as 1/f or more do
 _EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with frequency
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
-_FALLS = 0.1  # probability before the record is seen that the density falls towards zero
+_FALLS = 0.2  # probability before the record is seen that the density falls towards zero
 _NEAR_ZERO = 32.0  # cycles in the record, and below the first harmonic: a ripple's density rises above
-_FALL_CORNERS = 2.0 ** np.arange(0.0, 12.0)  # cycles in the record, above which such a density is flat
-_LEVELS = np.array([0.0, 2.0**-6, 2.0**-4, 2.0**-2])  # of the flat part, of white noise beside it
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
 _SCALELESS = 0.5  # probability that such a density has no corner
-_SINGLE = 8  # bins that count by themselves
-_BANDS_PER_OCTAVE = 3.0
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
 _ENOUGH_PERIODS = 24
 _ABOVE_PERIODS = 1.0  # likewise, where what differs from period to period has a density of its own
-_FEWEST = 5  # bins
-_RISES = 1e-6  # probability that white noise rises as much within two octaves
 _LAST_OF_FIRST, _BESIDE = 0.75, 0.75  # of the distance between harmonics; sin^2 beside them
-_NEAR_HARMONIC = 0.2  # of the distance between harmonics
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by 4.1 at most
 _WEIGHTLESS = 1e-4  # of all models
+_MOST_LIKELY = 600.0  # of a logarithm of odds
 _ELSEWHERE = 3.0  # standard deviations of the logarithm of a size
 _STEPS = 50  # of Newton's method, of which some four are taken
 _STEP = 1e-10
@@ -71,24 +65,36 @@ class SlowNoise:
     @property
     def is_lost(self) -> bool:
         """Whether the density rises so far beyond what the record shows that its mean is not known."""
-        return self.rise > _LOST
+        return (1.0 - self.falls) * self.rise > _LOST
 
 
-def slow_noise(samples: Floats, periods: int = 0, beside: Sequence[Floats] = ()) -> SlowNoise | None:
+def slow_noise(
+    samples: Floats, periods: int = 0, beside: Sequence[Floats] = (), reference: Floats | None = None
+) -> SlowNoise | None:
     """Return the error of the mean of samples, shape (n,), at equal times; None of too few.
 
     `periods` are the whole periods that the samples hold of what repeats, whose harmonics are left out. Where
     nothing repeats, samples `beside` of the same noise, be they of any level and size, tell its density too.
+    So does a `reference` at the same times that the samples follow: their slow noise is its, of any size, and
+    what hides it from some frequency on is another's.
     """
-    found = _bands(samples, periods)
-    if found is None:
+    bands = _of_periods(samples, periods)
+    if bands is None:
         return None
-    place, mean, width = found
-    most = np.full(len(place), _MOST_OF_A_BAND)
+    others = [_Beside.of(each, len(samples), bands.place[-1]) for each in beside]
+    followed = None if reference is None else _Reference.of(reference, periods, bands.place[-1])
+    return _averaged(bands, periods, [each for each in others if each], followed)
+
+
+def _of_periods(samples: Floats, periods: int) -> Bands | None:
+    """Return the bands of samples, shape (n,), counting as the models hold of what repeats or does not."""
+    bands = Bands.of(samples, periods)
+    if bands is None:
+        return None
+    most = np.full(len(bands.place), _MOST_OF_A_BAND)
     if periods >= _ENOUGH_PERIODS:
-        most[place > periods // 2] = _ABOVE_PERIODS
-    others = [_Beside.of(each, len(samples), place[-1]) for each in beside]
-    return _averaged(place, mean, np.minimum(width, most), periods, [each for each in others if each])
+        most[bands.place > periods // 2] = _ABOVE_PERIODS
+    return bands.counting(most)
 
 
 def walk_probability(pieces: Sequence[Floats]) -> float | None:
@@ -100,112 +106,88 @@ def walk_probability(pieces: Sequence[Floats]) -> float | None:
     """
     pieces = sorted(pieces, key=len, reverse=True)
     longest = len(pieces[0])
-    bands = [_bands(each, 0) for each in pieces]
+    bands = [Bands.of(each) for each in pieces]
     found = [each for each in bands if each is not None]
     if not found or len(found) < len(pieces):
         return None
-    usable, floors = _usable(found[0][0][-1])
+    usable, floors = _usable(found[0].place[-1])
     prior = _prior(int(np.count_nonzero(usable)), len(floors))[: -1 - len(floors)]
     log_weight = np.log(np.append(prior, _WHITE))
-    for (place, mean, width), piece in zip(found, pieces, strict=True):
+    for each, piece in zip(found, pieces, strict=True):
+        place = each.place
         falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
         shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
-        log_weight += _fits(shape, mean, np.minimum(width, _MOST_OF_A_BAND))
+        log_weight += each.counting(_MOST_OF_A_BAND).fits(shape)
     weight = np.exp(log_weight - np.max(log_weight))
     of_models = weight[:-1].reshape(len(_EXPONENTS), -1, len(floors))
     steep, low = _EXPONENTS > 1.0, _CORNERS[usable] <= 1.0
     return float(np.sum(of_models[steep][:, low]) / np.sum(weight))
 
 
-def _bands(samples: Floats, periods: int) -> tuple[Floats, Floats, Floats] | None:
-    """Return place, mean power and number of bins of the bands of samples, shape (n,), up to where the
-    density clearly rises; None of too few."""
-    count = len(samples)
-    if count < 2 * _FEWEST:
-        return None
-    bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
-    number = np.arange(1, len(bins) + 1)
-    power = bins.real**2 + bins.imag**2
-    if periods:
-        away = np.abs(number - periods * np.round(number / periods))
-        kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) | (number < periods)
-        kept &= away > 0
-        number, power = number[kept], power[kept]
-    if len(number) < _FEWEST or not np.all(power > 0.0):
-        return None
-    place, mean, width = _banded(number.astype(np.float64), power)
-    last = _before_a_rise(place, mean, width)
-    if np.sum(width[:last]) < _FEWEST:
-        return None
-    return place[:last], mean[:last], width[:last]
-
-
-def _banded(number: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return place, mean power and number of bins of bands: the lowest bins each, then parts of octaves.
-
-    The mean is from the median of a band where that is less: single lines are no noise.
-    """
-    band = np.where(
-        number <= _SINGLE, number, _SINGLE + 1.0 + np.floor(_BANDS_PER_OCTAVE * np.log2(number / _SINGLE))
-    )
-    first = np.flatnonzero(np.diff(band, prepend=0.0))
-    count = np.diff(first, append=len(number)).astype(np.float64)
-    place = np.exp(np.add.reduceat(np.log(number), first) / count)
-    mean = np.add.reduceat(power, first) / count
-    for at in np.flatnonzero(count >= _SINGLE):
-        within = power[first[at] : first[at] + int(count[at])]
-        mean[at] = min(mean[at], float(np.median(within)) / math.log(2.0))
-    return place, mean, count
-
-
-def _before_a_rise(place: Floats, mean: Floats, count: Floats) -> int:
-    """Return how many bands are below the one from which on the density is clearly higher than before."""
-    last = np.arange(2, len(place))
-    first = np.searchsorted(place, 0.25 * place[last])
-    first[first == last] = 0
-    between = np.column_stack([first, last]).ravel()
-    bins_below, power = (np.add.reduceat(each, between)[::2] for each in (count, mean * count))
-    of_below = power / bins_below
-    # no more than below is no rise, and the distribution takes time
-    for at in np.flatnonzero((bins_below >= 2.0) & (mean[last] > of_below)):
-        ratio = float(mean[last[at]] / of_below[at])
-        if fisher_above(2.0 * float(count[last[at]]), 2.0 * float(bins_below[at]), ratio) < _RISES:
-            return int(last[at])
-    return len(place)
-
-
 @dataclass(frozen=True)
 class _Beside:
-    """Bands of a record that is `ratio` times as long as the one whose mean is looked for: their places, mean
-    power and number of bins, each of shape (bands,)."""
+    """Bands of a record that is `ratio` times as long as the one whose mean is looked for."""
 
-    place: Floats
-    mean: Floats
-    count: Floats
+    bands: Bands
     ratio: float
 
     @classmethod
     def of(cls, samples: Floats, length: int, known: float) -> _Beside | None:
         """Return those of samples, shape (n,), beside so many others, up to the place that these show; None
         of too few."""
-        bands, ratio = _bands(samples, 0), len(samples) / length
+        bands, ratio = Bands.of(samples), len(samples) / length
         if bands is None:
             return None
-        kept = bands[0] <= known * ratio
-        place, mean, width = (each[kept] for each in bands)
-        if np.sum(width) < _FEWEST:
+        bands = bands.only(bands.place <= known * ratio)
+        if np.sum(bands.count) < FEWEST_BINS:
             return None
-        return cls(place, mean, np.minimum(width, _MOST_OF_A_BAND), ratio)
+        return cls(bands.counting(_MOST_OF_A_BAND), ratio)
 
     def fits(self, usable: NDArray[np.bool_], floors: Floats, white: int) -> Floats:
         """Return the logarithms of the likelihoods of all usable models, and of so many that are white."""
-        rising = _shapes(_blurred(self.place, self.ratio), usable, floors)
-        return _fits(np.vstack([rising, np.ones((white, len(self.place)))]), self.mean, self.count)
+        place = self.bands.place
+        rising = _shapes(_blurred(place, self.ratio), usable, floors)
+        return self.bands.fits(np.vstack([rising, np.ones((white, len(place)))]))
 
 
 @dataclass(frozen=True)
+class _Reference:
+    """Bands of what a signal follows over its record, with as many `periods`; the white noise that hides its
+    slow noise is not that of the signal."""
+
+    bands: Bands
+    periods: int
+
+    @classmethod
+    def of(cls, samples: Floats, periods: int, known: float) -> _Reference | None:
+        """Return those of samples, shape (n,), up to the place that the signal shows; None of too few."""
+        bands = _of_periods(samples, periods)
+        if bands is None:
+            return None
+        bands = bands.only(bands.place <= known)
+        return cls(bands, periods) if np.sum(bands.count) >= FEWEST_BINS else None
+
+    def near_zero(self) -> _Reference:
+        """Return it with the bands that tell whether a density falls."""
+        return copied(self, bands=self.bands.only(_near_zero(self.bands.place, self.periods)))
+
+    def fits(self, usable: NDArray[np.bool_], floors: Floats, steady: int) -> Floats:
+        """Return the logarithms of the likelihoods of all usable models, each with any of the floors, and of
+        so many that are steady."""
+        place = self.bands.place
+        rising = self.bands.fits(_shapes(_blurred(place), usable, floors)).reshape(-1, len(floors))
+        white, *of_periods = self.bands.fits(_steady(place, floors, self.periods)[:, 1:])
+        either = _log_mean(np.array([white, _log_mean(np.array(of_periods))]))
+        return np.concatenate([np.repeat(_log_mean(rising), len(floors)), np.full(steady, either)])
+
+    def fits_of_falling(self) -> Floats:
+        """Return those of densities that fall, each with any white noise, shape (densities, 1)."""
+        shape = falling_densities(self.bands.place)[0]
+        fits = self.bands.fits(shape.reshape(-1, shape.shape[-1])).reshape(shape.shape[:2])
+        return np.asarray(_log_mean(fits)[:, np.newaxis])
+@dataclass(frozen=True)
 class _Models:
-    """What densities of noise make of the lowest `_SINGLE` bins, shape (exponents, corners, bins), and of the
+    """What densities of noise make of the lowest `SINGLE` bins, shape (exponents, corners, bins), and of the
     variance of the mean, shape (exponents, corners)."""
 
     in_bins: Floats
@@ -221,7 +203,7 @@ def _models(ratio: float = 1.0) -> _Models:
     density = _density(place)
     place *= ratio
     width = np.gradient(place)
-    bins = np.arange(_SINGLE + 1)[:, np.newaxis]
+    bins = np.arange(SINGLE + 1)[:, np.newaxis]
     blurred = np.sinc(place - bins) ** 2 + np.sinc(place + bins) ** 2
     seen = density @ (blurred * width).T
     of_mean = seen[:, :, 0]
@@ -245,10 +227,11 @@ def _density(place: Floats) -> Floats:
 
 
 def _averaged(
-    place: Floats, mean: Floats, count: Floats, periods: int, beside: Sequence[_Beside]
+    bands: Bands, periods: int, beside: Sequence[_Beside], reference: _Reference | None
 ) -> SlowNoise:
-    """Return the error by all models, each of any size, with the weight that the bands give it, and those of
-    records beside it."""
+    """Return the error by all models, each of any size, with the weight that the bands give it, those of
+    records beside it, and those of a reference."""
+    place = bands.place
     usable, floors = _usable(place[-1])
     shape = _shapes(_blurred(place), usable, floors)
     level = _levels(usable, floors)
@@ -258,70 +241,71 @@ def _averaged(
     steady = _steady(place, floors, periods)
     shape = np.vstack([shape, steady[:, 1:]])
     of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
-    fits = _fits(shape, mean, count)
+    fits = bands.fits(shape)
     for each in beside:
         fits += each.fits(usable, floors, len(steady))
+    if reference is not None:
+        fits += reference.fits(usable, floors, len(steady))
     prior = _prior(int(np.count_nonzero(usable)), len(floors))
     weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
-    size2 = _size2(shape, mean * count, count, place <= _SINGLE)
+    size2 = _size2(shape, bands)
     if periods:  # levels of periods show below the first harmonic, as their means do
         levels = slice(len(shape) - len(floors), None)
         below = place < periods
-        size2[levels] = np.sqrt(size2[levels] * _posterior(shape[levels], mean * count, count, below))
-    square = of_mean * size2
-    falling, of_falling = _falling(place)
-    near = place < min(_NEAR_ZERO, periods or _NEAR_ZERO)
-    fits, own_fits = (_fits(each[:, near], mean[near], count[near]) for each in (shape, falling))
-    # likelihoods of both kinds of density, each over its own models
-    most = max(float(np.max(fits)), float(np.max(own_fits)))
-    others, own = float(prior @ np.exp(fits - most)), np.exp(own_fits - most) / len(own_fits)
-    falls = _FALLS * float(np.sum(own)) / (_FALLS * float(np.sum(own)) + (1.0 - _FALLS) * others)
-    own_size2 = _posterior(falling, mean * count, count, near)
-    own /= np.sum(own) if np.any(own > 0.0) else 1.0
+        size2[levels] = np.sqrt(size2[levels] * bands.only(below).sizes(shape[levels][:, below]))
+    near = _near_zero(place, periods)
+    bands, fits = bands.only(near), bands.only(near).fits(shape[:, near])
+    if reference is not None:
+        reference = reference.near_zero()
+        fits += reference.fits(usable, floors, len(steady))
     return SlowNoise(
-        _half_width(weight, np.sqrt(square)) / _K,
+        _half_width(weight, np.sqrt(of_mean * size2)) / _K,
         _DOF,
         float(np.sum(weight * rise)),
-        falls,
-        math.sqrt(float(own @ (of_falling * own_size2))),
+        *_of_falling(bands, float(_log_mean(fits, prior)), reference),
     )
 
 
-def _falling(place: Floats) -> tuple[Floats, Floats]:
-    """Return the densities f^2 / (f^2 + c^2) of all corners c, each with white noise of some levels, at
-    places in a record that blurs them, shape (models, places), and their variance of the mean, shape
-    (models,).
+def _of_falling(bands: Bands, others: float, reference: _Reference | None) -> tuple[float, float]:
+    """Return the probability that a density falls towards zero frequency, by the logarithm of the likelihood
+    of the `others`, and the standard deviation of the mean if it does."""
+    shape, of_mean, of_kind = falling_densities(bands.place)
+    fits = bands.fits(shape.reshape(-1, shape.shape[-1])).reshape(of_mean.shape)
+    if reference is not None:
+        fits += reference.fits_of_falling()
+    fits, prior = fits.ravel(), np.repeat(of_kind, fits.shape[1]) / fits.shape[1]
+    odds = _FALLS / (1.0 - _FALLS) * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
+    weight = prior * np.exp(fits - np.max(fits))
+    square = of_mean.ravel() * bands.sizes(shape.reshape(-1, shape.shape[-1]))
+    return odds / (1.0 + odds), math.sqrt(float(weight @ square) / float(np.sum(weight)))
 
-    That of a first-order lag is the Fourier integral of (1 - |t|) exp(-2 pi c |t|) over the record.
-    """
-    at = np.append(0.0, place)
-    corners = 2.0 * np.pi * _FALL_CORNERS[:, np.newaxis]
-    z = corners + 2j * np.pi * at
-    lag = corners * np.real(1.0 / z - (1.0 - np.exp(-corners)) / z**2)
-    seen = ((1.0 - lag)[:, np.newaxis, :] + _LEVELS[:, np.newaxis]).reshape(-1, len(at))
-    return seen[:, 1:], seen[:, 0]
+
+def _near_zero(place: Floats, periods: int) -> NDArray[np.bool_]:
+    """Return which places tell whether a density falls: a ripple's own rises above."""
+    return np.asarray(place < min(_NEAR_ZERO, periods or _NEAR_ZERO))
 
 
-def _size2(shape: Floats, power: Floats, count: Floats, low: NDArray[np.bool_]) -> Floats:
-    """Return the mean of the posterior of the size of densities, shape (models,), of the `power` in bands of
-    `count` bins, shape (bands,): of a model that fits above, and in the `low` bands clearly does not, the
-    geometric mean of what all tell and what these do, of which neither is right."""
-    by_all = _posterior(shape, power, count, np.ones(len(count), dtype=bool))
-    if not 0 < np.count_nonzero(low) < len(low) or np.sum(count[low]) < _FEWEST:
+def _log_mean(fits: Floats, weight: Floats | float = 1.0) -> Floats:
+    """Return the logarithm of the mean of likelihoods over the last axis, from their logarithms, or of their
+    sum with weights."""
+    most = np.max(fits, axis=-1, keepdims=True)
+    part = np.exp(fits - most) * weight
+    mean = np.mean(part, axis=-1) if np.ndim(weight) == 0 else np.sum(part, axis=-1)
+    return np.asarray(np.log(mean) + most[..., 0])
+
+
+def _size2(shape: Floats, bands: Bands) -> Floats:
+    """Return the mean of the posterior of the size of densities, shape (models,): of a model that fits above,
+    and in the lowest bins clearly does not, the geometric mean of what all tell and what these do, of which
+    neither is right."""
+    by_all, low, count = bands.sizes(shape), bands.place <= SINGLE, bands.count
+    if not 0 < np.count_nonzero(low) < len(low) or np.sum(count[low]) < FEWEST_BINS:
         return by_all
-    by_low, by_rest = (_posterior(shape, power, count, each) for each in (low, ~low))
+    by_low, by_rest = (bands.only(each).sizes(shape[:, each]) for each in (low, ~low))
     standard = math.sqrt(1.0 / float(np.sum(count[low])) + 1.0 / float(np.sum(count[~low])))
     differs = np.abs(np.log(by_low / by_rest)) > _ELSEWHERE * standard
     return np.where(differs, np.sqrt(by_low * by_all), by_all)
-
-
-def _posterior(shape: Floats, power: Floats, count: Floats, taken: NDArray[np.bool_]) -> Floats:
-    """Return the mean of the inverse Gamma distribution of each model's size, shape (models,), by the bands
-    `taken`."""
-    # einsum in place of a product of matrices, which would start threads
-    scaled = np.einsum("ij,j->i", 1.0 / shape[:, taken], power[taken])
-    return np.asarray(scaled / max(float(np.sum(count[taken])) - 1.0, 0.5))
 
 
 def _usable(known: float) -> tuple[NDArray[np.bool_], Floats]:
@@ -335,7 +319,7 @@ def _usable(known: float) -> tuple[NDArray[np.bool_], Floats]:
 def _blurred(place: Floats, ratio: float = 1.0) -> Floats:
     """Return the densities at places in a record that is `ratio` times as long as that of the models, the
     lowest of which it blurs, shape (exponents, corners, places)."""
-    falling, single = _density(place / ratio), int(np.count_nonzero(place <= _SINGLE))
+    falling, single = _density(place / ratio), int(np.count_nonzero(place <= SINGLE))
     falling[:, :, :single] = _models(ratio).in_bins[:, :, np.round(place[:single]).astype(np.int64) - 1]
     return falling
 
@@ -351,15 +335,6 @@ def _shapes(falling: Floats, usable: NDArray[np.bool_], floors: Floats) -> Float
     """Return the densities of all models that are usable, each with each floor, shape (models, places)."""
     level = _levels(usable, floors)
     return (falling[:, usable, np.newaxis, :] + level[:, :, :, np.newaxis]).reshape(-1, falling.shape[-1])
-
-
-def _fits(shape: Floats, mean: Floats, count: Floats) -> Floats:
-    """Return the logarithms of the likelihoods of models, shape (models,), each of any size."""
-    # its size is eliminated: 1 / size has a Gamma distribution
-    # einsum in place of a product of matrices, which would start threads
-    scaled = np.einsum("ij,j->i", 1.0 / shape, mean * count)
-    fits = -np.einsum("ij,j->i", np.log(shape), count) - float(np.sum(count)) * np.log(scaled)
-    return np.asarray(fits)
 
 
 def _steady(place: Floats, floors: Floats, periods: int) -> Floats:

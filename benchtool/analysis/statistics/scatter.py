@@ -231,6 +231,7 @@ def at_lowest_frequencies(
     marks: NDArray[np.float64] | None = None,
     *,
     beside: Sequence[NDArray[np.float64]] = (),
+    reference: NDArray[np.float64] | None = None,
     pooled: bool = False,
     may_fall: bool = False,
 ) -> MeanError:
@@ -246,7 +247,8 @@ def at_lowest_frequencies(
     `marks`, shape (periods + 1,), are the sample numbers between which something repeats, if it does, of
     which the last may be in the last row. The scatter of few parts is `pooled` with the density where both
     agree. Of a signal that a control may keep at its mean (`may_fall`), a density that falls towards zero
-    frequency counts by its probability.
+    frequency counts by its probability. A `reference` of shape (n,) tells the density too where the samples
+    follow it.
     """
     if not math.isfinite(by_parts.standard):
         parts = means_of_parts(samples)
@@ -257,15 +259,28 @@ def at_lowest_frequencies(
     values = means_of_blocks(samples, marks)
     by_parts = without_oscillations(values, by_parts)
     blocks = [means_of_blocks(each, None, max(1, len(each) * len(values) // len(samples))) for each in beside]
-    slow = slow_noise(values, periods, blocks)
-    error = _of_density(values, by_parts, slow, periods, pooled=pooled)
-    if slow is None or not may_fall or not math.isfinite(error.standard):
+    followed = None if reference is None else means_of_blocks(reference, marks)
+    if followed is not None and not _follows(values, followed):
+        followed = None
+    slow = slow_noise(values, periods, blocks, followed)
+    if slow is not None and not may_fall:
+        slow = replace(slow, falls=0.0)
+    known = followed is not None
+    error = _of_density(values, by_parts, slow, periods, pooled=pooled, known=known)
+    if slow is None or not slow.falls > 0.0 or not math.isfinite(error.standard):
         return error
     falling2 = slow.of_falling**2
     if not falling2 < error.standard**2:
         return error
     standard = math.sqrt(slow.falls * falling2 + (1.0 - slow.falls) * error.standard**2)
     return replace(error, standard=standard)
+
+
+def _follows(values: NDArray[np.float64], reference: NDArray[np.float64]) -> bool:
+    """Return whether values have less at their lowest frequencies without a reference, both of shape (n,)."""
+    lowest = slice(1, _LOWEST + 1)
+    whole, rest = (fft.rfft(each - np.mean(each))[lowest] for each in (values, values - reference))
+    return bool(np.sum(np.abs(rest) ** 2) < np.sum(np.abs(whole) ** 2))
 
 
 def _of_density(
@@ -275,17 +290,20 @@ def _of_density(
     periods: int,
     *,
     pooled: bool,
+    known: bool,
 ) -> MeanError:
     """Return that of a density that does not fall towards zero frequency."""
     # the scatter of few parts is itself so uncertain that it does not speak against more
-    clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS else 1.0
+    clearly = _CLEARLY_MORE if by_parts.dof > _FEW_PARTS and not known else 1.0
     if slow is None or slow.standard < clearly * by_parts.standard:
         return _of_both(by_parts, slow) if slow is not None and pooled else by_parts
     if slow.standard < _ROUNDING * float(np.max(np.abs(values))):
         return by_parts
-    if (lowest := _where_none_rises(values, periods)) is not None:
+    if not known and (lowest := _where_none_rises(values, periods)) is not None:
         return max(by_parts, lowest, key=lambda each: each.standard)
-    return MeanError(math.nan if slow.is_lost else slow.standard, slow.dof, Basis.CONTINUED)
+    # what is asked of a signal does not go on to rise for ever: a control sees to it
+    is_lost = slow.is_lost and not known
+    return MeanError(math.nan if is_lost else slow.standard, slow.dof, Basis.CONTINUED)
 
 
 def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:

@@ -145,11 +145,16 @@ class MeanOverPeriods:
 
 
 def mean_over_periods(
-    series: Floats, repeats: Periods, *, pooled: bool = True, may_fall: bool = False
+    series: Floats,
+    repeats: Periods,
+    *,
+    pooled: bool = True,
+    may_fall: bool = False,
+    reference: Floats | None = None,
 ) -> MeanOverPeriods:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
-    course of few constants, such as a drift; of few periods `pooled` with its density. Rows behind periods
-    that are told count by the course alone."""
+    course of few constants, such as a drift; of few periods `pooled` with its density, which a `reference`
+    that it follows tells too. Rows behind periods that are told count by the course alone."""
     rows, periods = repeats.rows, len(repeats)
     place = repeats.places(len(series))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
@@ -163,7 +168,13 @@ def mean_over_periods(
         error = replace(found.error, standard=size * found.error.standard)
     else:
         by_parts = error_of_series(means)
-        error = at_lowest_frequencies(rest, by_parts, repeats.edges, pooled=pooled, may_fall=may_fall)
+        followed = None if reference is None else reference[: rows[-1]]
+        if followed is not None and lines is not None:  # which are its lines too
+            own = slow_lines(followed, place[: rows[-1]], periods, repeats.per_revolution)
+            followed = followed if own is None else followed - own.at(place[: rows[-1]])
+        error = at_lowest_frequencies(
+            rest, by_parts, repeats.edges, reference=followed, pooled=pooled, may_fall=may_fall
+        )
     course = None if found is None else replace(found.course, size=size)
     slowly = np.zeros(len(series)) if course is None else course.at(place)
     incomplete, not_repeated = _of_incomplete((left - slowly)[:told], repeats)

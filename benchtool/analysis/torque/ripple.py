@@ -95,6 +95,7 @@ def ripple_numbers(
     track: PhaseTrack | None = None,
     pole_pairs: int = 1,
     what: str = "",
+    reference: str = "",
 ) -> tuple[Measurement, ...]:
     """Return the mean of a channel, and its ripple peak to peak, rms and between percentiles, absolute and
     relative.
@@ -109,6 +110,8 @@ def ripple_numbers(
         pole_pairs: electrical periods in a mechanical revolution, where the track is by its angle: what is
             slower than a period may repeat with that.
         what: words for the channel in the definitions.
+        reference: a channel that this one follows, if one is known: its slow noise is in the mean, and hidden
+            by less.
 
     Raises:
         AnalysisError: a gap, no such channel, or one that is too short, not finite or constant.
@@ -128,6 +131,7 @@ def ripple_numbers(
         per_revolution=pole_pairs if has_angle else 1,
         what=what or channel,
         channel=channel,
+        reference=np.ascontiguousarray(block.column(reference)) if reference else None,
     )
 
 
@@ -144,6 +148,7 @@ def ripple_of_rows(
     what: str = "signal",
     channel: str = "",
     no_periods: str = "",
+    reference: NDArray[np.float64] | None = None,
 ) -> tuple[Measurement, ...]:
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
@@ -159,7 +164,7 @@ def ripple_of_rows(
     scatter = None
     if marks is not None:
         repeats = Periods(rows_of_marks(marks.numbers), repeated, per_revolution, marks)
-        scatter = scatter_of_periods(samples, repeats, step)
+        scatter = scatter_of_periods(samples, repeats, step, reference=reference)
     unknown = ""
     if scatter is None or marks is None:
         unknown = _without_periods(None if marks is None else marks.numbers, repeated, no_periods)

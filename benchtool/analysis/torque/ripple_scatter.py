@@ -61,7 +61,12 @@ class Scatter:
 
 
 def scatter_of_periods(
-    samples: Floats, repeats: Periods, step: float = 0.0, *, percentiles: bool = True
+    samples: Floats,
+    repeats: Periods,
+    step: float = 0.0,
+    *,
+    percentiles: bool = True,
+    reference: Floats | None = None,
 ) -> Scatter | None:
     """Return the scatter of the numbers of samples, shape (n,), over whole periods; None where there are too
     few."""
@@ -69,7 +74,7 @@ def scatter_of_periods(
     if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
-    of_mean = mean_over_periods(samples, repeats, may_fall=True)
+    of_mean = mean_over_periods(samples, repeats, may_fall=True, reference=reference)
     rest = within if of_mean.left is samples else of_mean.left[: rows[-1]]
     # what lines and the rest have in common is nothing over whole cycles of both
     square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)

@@ -36,8 +36,16 @@ def torque_ripple(
     `torque_rated_Nm` is the base of the numbers "of rated", which are left out without it. The other
     arguments and the errors are those of `ripple_numbers`.
     """
+    reference = _REFERENCE if channel == "torque" and _REFERENCE in block.names else ""
     return ripple_numbers(
-        block, channel, "torque", rated=torque_rated_Nm, track=track, pole_pairs=pole_pairs, what=what
+        block,
+        channel,
+        "torque",
+        rated=torque_rated_Nm,
+        track=track,
+        pole_pairs=pole_pairs,
+        what=what,
+        reference=reference,
     )
 
 
@@ -129,6 +137,7 @@ def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
     )
 
 
+_REFERENCE: Final = "torque_reference"
 _NO_BASE: Final = (
     "undefined where |mean| is less than five of its standard uncertainties, half of pp where these are not "
     "known, or 2 % of pp"

@@ -122,3 +122,41 @@ def test_two_standard_deviations_of_white_noise_hold_its_mean_in_95_of_100_recor
 def test_noise_without_power_leaves_nothing_uncertain() -> None:
     assert _half_width(np.array([0.7, 0.3]), np.zeros(2)) == 0.0
     assert _half_width(np.array([0.7, 0.3]), np.ones(2)) == pytest.approx(1.96, abs=1e-3)
+
+
+def test_a_reference_tells_the_slow_noise_of_samples_that_follow_it() -> None:
+    """Faster noise of their own, which falls towards zero frequency, hides it in the samples."""
+    random, count = np.random.default_rng(16), 100
+    errors: dict[bool, list[float]] = {False: [], True: []}
+    for _ in range(60):
+        reference = coloured(random.standard_normal(count + 200), 0.9)[200:]
+        own = 2.0 * float(np.std(reference)) * np.diff(random.standard_normal(count + 1))
+        samples = reference + own
+        for is_known, found in errors.items():
+            told = slow_noise(samples, reference=reference if is_known else None)
+            assert told is not None
+            square = told.falls * told.of_falling**2 + (1.0 - told.falls) * told.standard**2
+            found.append(float(np.mean(samples)) / math.sqrt(square))
+        assert slow_noise(samples, reference=np.zeros(count)) == slow_noise(samples)
+    assert np.std(errors[False]) > 1.4
+    assert 0.45 < np.std(errors[True]) < 1.1
+
+
+def test_noise_with_a_crest_does_not_rise_towards_zero() -> None:
+    """As that of a speed held by the counts of an encoder: its mean is known better than by its few cycles."""
+    random = np.random.default_rng(17)
+    number = np.arange(1, 601)
+    crest = number / 4.0
+    density = crest**2 / ((28.0 - crest**2) ** 2 + (2.0 * 0.2 * 5.3 * crest) ** 2)
+    falls, errors = [], []
+    for _ in range(40):
+        bins = np.zeros(601, dtype=complex)
+        bins[1:] = np.sqrt(density[:600]) * (random.standard_normal(600) + 1j * random.standard_normal(600))
+        record = np.fft.irfft(bins)[:300]
+        found = slow_noise(record)
+        assert found is not None
+        assert not found.is_lost
+        falls.append(found.falls)
+        errors.append(float(np.mean(record)) / found.of_falling)
+    assert np.median(falls) > 0.9
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.4

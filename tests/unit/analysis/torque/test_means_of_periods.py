@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase import PeriodMarks
+from benchmarks.coverage.noise import coloured
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_scatter import scatter_of_periods
 from benchtool.block import Block
@@ -213,3 +214,23 @@ def test_rows_behind_periods_that_are_told_count_by_the_course() -> None:
     rms = math.sqrt(float(np.var(drift)) + 0.5 * 0.3**2 + 0.1**2)
     assert found.whole_rms == pytest.approx(rms, abs=3.0 * found.rms.standard)
     assert found.rms.standard < 0.02 * rms
+
+
+def test_the_mean_of_a_torque_moves_with_the_slow_noise_of_its_reference() -> None:
+    """What the torque does beside it is quick, and tells another density; a signal that follows nothing is as
+    without a reference."""
+    random, rows, periods = np.random.default_rng(5), 36 * 20, 36
+    repeats = Periods(np.arange(0, rows + 1, 20))
+    alone, known = [], []
+    for _ in range(20):
+        reference = coloured(random.standard_normal(rows + 4000), 0.98)[4000:]
+        quick = 40.0 * np.diff(random.standard_normal(rows + 1)) * float(np.std(reference))
+        torque = 100.0 + reference + quick
+        without = mean_over_periods(torque, repeats, may_fall=True)
+        alone.append(without.error.standard)
+        known.append(mean_over_periods(torque, repeats, may_fall=True, reference=reference).error.standard)
+        other = float(np.std(torque)) * coloured(random.standard_normal(rows + 4000), 0.98)[4000:]
+        untold = mean_over_periods(torque, repeats, may_fall=True, reference=other).error
+        assert untold == without.error
+    assert len(repeats) == periods
+    assert np.median(np.array(known) / np.array(alone)) > 1.5
