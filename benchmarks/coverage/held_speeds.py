@@ -1,8 +1,8 @@
-"""Families of a torque by which a speed is held: its reference follows a reading of the speed that is noisy, or
-in counts, and the torque follows the reference beneath a ripple and noise of its own.
+"""Families of a torque by which a speed is held: its reference follows a reading of the speed that is noisy,
+or in counts, and the torque follows the reference beneath a ripple and noise of its own.
 
-A controller with an integral, both poles at half of the crossover, leaves the mean no noise over a long time. A
-record holds few cycles of that crossover, or less than one.
+A controller with an integral, both poles at half of the crossover, leaves the mean no noise over a long time.
+A record holds few cycles of that crossover, or less than one.
 """
 
 from __future__ import annotations

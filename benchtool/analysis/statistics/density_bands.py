@@ -30,8 +30,8 @@ _NEAR_HARMONIC = 0.2  # of the distance between harmonics
 
 @dataclass(frozen=True)
 class Bands:
-    """Mean `power` of bands about each `place`, in cycles in the record, and the bins that each counts as, all
-    of shape (bands,)."""
+    """Mean `power` of bands about each `place`, in cycles in the record, and the bins that each counts as,
+    all of shape (bands,)."""
 
     place: Floats
     power: Floats

@@ -7,8 +7,6 @@ the control of the speed, with little damping where it goes from count to count 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,14 +15,14 @@ Complexes = NDArray[np.complex128]
 
 _CORNERS = 2.0 ** np.arange(0.0, 12.0)  # cycles in the record, above which a density is level
 _LEVELS = np.array([0.0, 2.0**-6, 2.0**-4, 2.0**-2])  # of the highest part, of white noise beside it
-_CREST = 2.0 ** np.arange(1.5, 5.25, 0.5)  # cycles in the record, at which a density is highest: a fall below fewer hardly shows
+_CREST = 2.0 ** np.arange(1.5, 5.25, 0.5)  # cycles in the record; of fewer its fall below hardly shows
 _DAMPING = np.array([0.15, 0.5, 0.98])
 
 
 def falling_densities(place: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return densities at places in a record, each with white noise of some levels, shape (densities, levels,
-    places), the variance of the mean that each makes, shape (densities, levels), and how probable each is
-    before a record is seen, shape (densities,): both kinds alike."""
+    """Return densities at places in a record, each with white noise of some levels, of shape (densities,
+    levels, places), the variance of the mean that each makes, shape (densities, levels), and how probable
+    each is before a record is seen, shape (densities,): both kinds alike."""
     at = np.append(0.0, place)
     level, again = _level_above(at), _falling_again(at)
     seen = np.concatenate([level, again / np.max(again, axis=1, keepdims=True)])
@@ -36,7 +34,7 @@ def falling_densities(place: Floats) -> tuple[Floats, Floats, Floats]:
 def _level_above(at: Floats) -> Floats:
     """Return those that are level above their corners, shape (corners, places).
 
-    What is missing there is the noise of a first-order lag, the Fourier integral of (1 - |t|) exp(-2 pi c |t|).
+    What is missing is the noise of a first-order lag, the Fourier integral of (1 - |t|) exp(-2 pi c |t|).
     """
     corners = 2.0 * np.pi * _CORNERS[:, np.newaxis]
     return np.asarray(1.0 - corners * np.real(_over_record(corners + 2j * np.pi * at)))

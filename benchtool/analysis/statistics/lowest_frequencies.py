@@ -185,6 +185,8 @@ class _Reference:
         shape = falling_densities(self.bands.place)[0]
         fits = self.bands.fits(shape.reshape(-1, shape.shape[-1])).reshape(shape.shape[:2])
         return np.asarray(_log_mean(fits)[:, np.newaxis])
+
+
 @dataclass(frozen=True)
 class _Models:
     """What densities of noise make of the lowest `SINGLE` bins, shape (exponents, corners, bins), and of the

@@ -143,7 +143,7 @@ def test_a_reference_tells_the_slow_noise_of_samples_that_follow_it() -> None:
 
 
 def test_noise_with_a_crest_does_not_rise_towards_zero() -> None:
-    """As that of a speed held by the counts of an encoder: its mean is known better than by its few cycles."""
+    """As where a speed goes from count to count: the mean is known better than by its few cycles."""
     random = np.random.default_rng(17)
     number = np.arange(1, 601)
     crest = number / 4.0

@@ -10,10 +10,10 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from benchmarks.coverage.noise import coloured
 from benchtool.analysis import analyze_steady_state
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase import PeriodMarks
-from benchmarks.coverage.noise import coloured
 from benchtool.analysis.torque.means_of_periods import Periods, mean_over_periods
 from benchtool.analysis.torque.ripple_scatter import scatter_of_periods
 from benchtool.block import Block
