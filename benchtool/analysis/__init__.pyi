@@ -83,6 +83,7 @@ from .periods import (
     track_tone as track_tone,
 )
 from .phase.mean_frequency import angle_remarks as angle_remarks
+from .phase.speed_beside_angle import speed_beside_angle as speed_beside_angle
 from .plug_ins import guarded as guarded
 from .quantisation.counted_line import (
     least_spread as least_spread,

@@ -28,6 +28,7 @@ from benchtool.analysis import (
     error_of_record,
     record_basis,
     slope_weights,
+    speed_beside_angle,
     without_slope,
 )
 from benchtool.block import Block, Channel
@@ -222,7 +223,7 @@ def _rows(plan: Plan, capture: Block) -> Block | None:
 @dataclass(frozen=True)
 class _Mean:
     """Mean of a signal: its `value` with the `errors` and the readings behind it, its basis, and its source
-    in words."""
+    in words; `between_records` is how much more another record differs, if that is known."""
 
     value: float
     errors: tuple[Contribution, ...]
@@ -230,6 +231,7 @@ class _Mean:
     basis: Basis
     source: str
     unresolved: tuple[Channel, ...] = ()
+    between_records: Contribution | None = None
 
     def less(self, slope: _Slope, J_kgm2: float) -> _Mean:
         """Return a mean torque less what the slope of the speed takes of it."""
@@ -320,10 +322,15 @@ class _Signals:
 
 
 def _mean_of(block: Block, name: str, source: str) -> _Mean:
-    samples = block.column(name)
+    samples, between = block.column(name), None
     scatter = error_of_record(samples).line("scatter over parts of the record")
+    if name == "omega_m" and "theta_m" in block.names:
+        beside = speed_beside_angle(samples, block.column("theta_m"), block.sample_rate_Hz)
+        if beside is not None:
+            scatter = beside.error.line("scatter beside the course of theta_m")
+            between = beside.between_records
     reading = MeanReading.of(Channel(name, block.unit(name)), samples, block.sample_rate_Hz)
-    return _Mean(reading.mean, (scatter,), reading, record_basis(block), source)
+    return _Mean(reading.mean, (scatter,), reading, record_basis(block), source, between_records=between)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:
@@ -360,6 +367,7 @@ def _number(name: str, unit: str, definition: str, mean: _Mean, *besides: Sensit
         mean.basis,
         uncertain,
         uncertainty_reason=_TOO_SLOW if uncertain is None else "",
+        repeatability=mean.between_records,
         sensitivities=Sensitivities((*(of_mean.channels or ()), *besides)),
     )
     return each.without_resolution_of(*mean.reading.unresolved, *mean.unresolved)

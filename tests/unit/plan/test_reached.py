@@ -155,3 +155,42 @@ def test_a_speed_that_reads_the_same_in_every_sample_leaves_its_slope_open() -> 
     # means of both halves of 0.1 s, each off by a step over sqrt(12), are half of it apart
     by_slope = EXAMPLE_MOTOR.J_kgm2 * 0.5 / math.sqrt(12.0) * math.sqrt(2.0) / 0.05
     assert stated.uncertainty.standard == pytest.approx(by_slope, rel=0.01)
+
+
+def test_of_a_speed_beside_its_angle_what_both_show_is_no_error() -> None:
+    """It swings less than once in the record; the mean over that is what the angle says, whatever it is."""
+    random, rate_Hz, count = np.random.default_rng(8), 1e3, 800
+    errors, alone = [], []
+    for _ in range(30):
+        time_s = np.arange(count) / rate_Hz
+        phase_rad = random.uniform(0.0, 2.0 * np.pi)
+        swing = 2.0 * np.cos(2.0 * np.pi * 0.9 * time_s + phase_rad)
+        turned = 2.0 / (2.0 * np.pi * 0.9) * np.sin(2.0 * np.pi * 0.9 * time_s + phase_rad)
+        theta_m = (50.0 * time_s + turned + 1e-3 * random.standard_normal(count)) % (2.0 * np.pi)
+        omega_m = 50.0 + swing + 0.05 * random.standard_normal(count)
+        units = {"omega_m": "rad/s", "theta_m": "rad"}
+        both = Block.from_arrays(rate_Hz, units, omega_m=omega_m, theta_m=theta_m)
+        found, of_speed = (
+            next(measure_held(each))
+            for each in (both, Block.from_arrays(rate_Hz, {"omega_m": "rad/s"}, omega_m=omega_m))
+        )
+        assert found.uncertainty is not None
+        assert "beside the course of theta_m" in found.uncertainty.source
+        assert found.repeatability is not None
+        errors.append((found.value - 50.0 - np.mean(swing)) / found.uncertainty.standard)
+        alone.append(math.inf if of_speed.uncertainty is None else of_speed.uncertainty.standard)
+        assert found.uncertainty.standard < 0.05 * alone[-1]
+    assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_an_angle_that_does_not_turn_with_the_speed_tells_nothing_of_it() -> None:
+    random, rate_Hz, count = np.random.default_rng(9), 1e3, 500
+    omega_m = 50.0 + 0.05 * random.standard_normal(count)
+    slips = np.cumsum(50.0 + 40.0 * random.standard_normal(count)) / rate_Hz
+    for theta_m in (slips, np.zeros(count), np.arange(count) % 7.0):
+        units = {"omega_m": "rad/s", "theta_m": "rad"}
+        both = Block.from_arrays(rate_Hz, units, omega_m=omega_m, theta_m=theta_m)
+        (found,) = measure_held(both)
+        (alone,) = measure_held(Block.from_arrays(rate_Hz, {"omega_m": "rad/s"}, omega_m=omega_m))
+        assert found.uncertainty == alone.uncertainty
+        assert found.repeatability is None
