@@ -44,7 +44,11 @@ _HIGHEST_GROUP, _TOLD = 50, 0.45  # of the rate, up to which a spectrum is told
 
 def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | None) -> Mapping[str, float]:
     """Return the truth of the current's and the torque's numbers, of one record and its spectrum's bins."""
-    thd = 100.0 * math.sqrt(sum(each**2 for each in what.harmonics.values()))
+    counted, others = (
+        sum(size**2 for order, size in what.harmonics.items() if (order <= _HIGHEST_GROUP) is each)
+        for each in (True, False)
+    )
+    thd = 100.0 * math.sqrt(counted)
     fundamental_A = what.amplitude_A * 0.5 * (1.0 + what.second_regime)
     truths = {
         "fundamental_frequency": made.frequency_Hz,
@@ -74,7 +78,9 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
             "current_noise_density": floor_A / math.sqrt(2.0 * bin_Hz),
         }
     if spectrum is not None:
-        truths["current_thd_f_plus_noise"] = _thd_plus_noise(what, made, thd, spectrum)
+        truths["current_thd_f_plus_noise"] = _thd_plus_noise(
+            what, made, math.hypot(thd, 100.0 * math.sqrt(others)), spectrum
+        )
     return truths | _ripple(what, made)
 
 

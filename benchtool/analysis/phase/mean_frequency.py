@@ -42,6 +42,8 @@ def frequency(
     `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
     over the record."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
+    if len(seen.phase_rad) < FEWEST and tells_its_turn(steady := replace(track, departure=None)):
+        track = steady  # too few periods to tell the signal's own phase
     by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
     if by_tone and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)

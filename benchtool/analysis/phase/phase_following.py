@@ -43,6 +43,7 @@ _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it i
 _BELOW_ORDER = 3
 _OF_DC, _NEAR_DC = 2, 8  # bins that a dc which decays is in; part of the distance to the fundamental
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
+_OF_RATIO = math.pi / math.sqrt(3.0)  # deviation of the logarithm of a ratio of two exponentials
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _STEADY, _SLOWEST = 2, 4  # terms of a steady rise, and of the courses beside it that are looked at
 _OF_NOISE = 0.35  # relative deviation of amplitudes, which of noise alone have Rayleigh's, 0.52
@@ -247,8 +248,9 @@ def follow(
         if by_angle.is_clearly(other_than=by_tone):
             by_tone = by_angle.if_clearly_better_than(by_tone)
         elif by_angle is not by_tone:
-            within = within_periods(by_tone.phasors, by_angle.phasors)
-            by_tone, doubt = by_angle if within.are_of_rotor else by_tone, within.standard
+            within, sharper = within_periods(by_tone.phasors, by_angle.phasors), by_angle.is_sharper(by_tone)
+            are_of_rotor = within.are_of_rotor if sharper is None else sharper
+            by_tone, doubt = by_angle if are_of_rotor else by_tone, within.standard
     seen = replace(
         by_tone.seen,
         excess_rad=by_tone.excess_rad,
@@ -345,6 +347,25 @@ class _Followed:
 
     def if_clearly_better_than(self, other: _Followed) -> _Followed:
         return self if self.off_line < other.off_line and self.is_clearly(other_than=other) else other
+
+    def is_sharper(self, other: _Followed) -> bool | None:
+        """Return whether it has less between the harmonics than the other, from the third on, bin by bin of
+        the whole band; None where that may be chance.
+
+        What an angle does that is another from period to period blurs harmonics that do not follow it, the
+        high ones most, if it is the rotor's, and those that do if it is an error.
+        """
+        periods = self.transformable.periods
+        last = math.floor(periods * min(each.transformable.usable_order for each in (self, other)))
+        number = np.arange(_BELOW_ORDER * periods, last + 1)
+        number = number[number % periods > 0]
+        if periods != other.transformable.periods or not len(number):
+            return None
+        own, others = (each._squares[1][number] / len(each._bins) ** 2 for each in (self, other))
+        if not (np.all(own > 0.0) and np.all(others > 0.0)):
+            return None
+        ratio = float(np.mean(np.log(own / others)))
+        return ratio < 0.0 if abs(ratio) > _FAR_BLUR * _OF_RATIO / math.sqrt(len(number)) else None
 
     def blurs(self, before: _Followed) -> bool:
         """Return whether the harmonics have more sidebands than before, beyond chance.
