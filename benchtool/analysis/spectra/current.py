@@ -13,26 +13,22 @@ from benchtool.analysis.coherent.spectrum import (
     FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
-    Component,
     harmonics,
-    largest_low_component,
     spectrum_of,
 )
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.drawings import WAVEFORMS
 from benchtool.analysis.measurement import Basis, Measurement, Table
-from benchtool.analysis.noise.converter_lines import largest_of_steps
 from benchtool.analysis.noise.noise import NoiseFloor, noise_floor
-from benchtool.analysis.noise.noise_of_lines import contribution_of_noise, line_noise
 from benchtool.analysis.noise.noise_of_periods import without_changes
-from benchtool.analysis.numbers import raw
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.mean_frequency import frequency
 from benchtool.analysis.quantisation.resolution import level_of, resolution
-from benchtool.analysis.sensitivity import Largest, Noise, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.distortion_with_noise import distortion_with_noise
 from benchtool.analysis.spectra.distortions import distortions, group_basis, group_distortions
 from benchtool.analysis.spectra.flat_crests import crest_is_flat, flat_crest, with_flat_crest
+from benchtool.analysis.spectra.floor_numbers import noise_numbers
+from benchtool.analysis.spectra.fundamental import fundamental_and_largest
 from benchtool.analysis.spectra.groups import group_table, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC, harmonic_table
 from benchtool.analysis.spectra.interharmonics import noise_of_fit
@@ -41,18 +37,14 @@ from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_t
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.statistics.outlying_samples import clicks_among
-from benchtool.analysis.statistics.scatter import TOO_SLOW
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.validity import clipping, require_unbroken, standing
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
-_LOW_ORDER = 10
 _BEATS = (
     "the amplitude changes within the window, and no harmonic tells that it is no line beside the "
     "fundamental: record longer, or the angle"
 )
-_NO_FLOOR = "fewer than 8 bins are between harmonics, or few periods in which these change: record longer"
 
 
 @dataclass(frozen=True)
@@ -95,100 +87,72 @@ def current_spectrum(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     step = resolution(samples)
     found = separate(samples, block.sample_rate_Hz, track, channel, step)
-    track, spectrum = found.track, found.spectrum
-    basis = _basis(found.coherent, spectrum, track)
-    invalid = clipping(samples, unit) or standing(samples, unit)
-    if not invalid and track.residual_rad is None:
-        invalid = turned_around(
-            found.cleaned, found.seen, channel, None if found.close.lines is None else found.between
-        )
-    if not invalid and found.seen.jump_rad and (clicks := clicks_among(samples, unit)):
-        invalid = f"{clicks}: clicks, at which the phase of {channel} jumps; choose a window without them"
-    sound = soundness(spectrum, found.seen, invalid, channel)
-    clean, with_trend = found.clean, None
-    if found.steady.trend is not None:
-        with_trend = spectrum_of(found.cleaned), found.steady.trend.of_level
-    errors = _errors(found, clean, with_trend, step)
-    of_steps = largest_of_steps(clean, errors.steps, _LOW_ORDER)
-    # with no phase but its own, and no harmonic that tells, a line beside it may be all that changes
-    beats = (
-        (found.by_signal or found.track.follows_signal)
-        and not found.close.turned_rad
-        and amplitude_changes(found.alone.amplitude, found.steady.trend, step)
-        and not harmonics_tell(clean if with_trend is None else with_trend[0], len(errors.phase))
-    )
+    sound = soundness(found.spectrum, found.seen, _refusal(found, channel, unit), channel)
+    errors = _errors(found, step)
+    beats = _may_beat(found, errors, step)
     if beats:
         errors = replace(errors, wander=np.append(math.nan, errors.wander[1:]))
-    has_moved = found.track.departure is not None or found.steady.trend is not None
-    lines, taken = basis, found.taken
-    if taken is not None:
-        lines = replace(basis, window=f"{basis.window}, without {taken.words}")
-    quiet, spectrum_of_quiet = found.quiet
-    floor = without_changes(
-        noise_floor(spectrum_of_quiet, has_moved=has_moved, follows_signal=found.track.follows_signal),
-        spectrum_of_quiet,
-        quiet,
-        has_stepped=found.steady.trend is not None and found.steady.trend.is_step,
-        follows_signal=found.track.follows_signal,
-        step=step,
-    )
+    basis = _basis(found.coherent, found.spectrum, found.track)
+    lines = basis
+    if found.taken is not None:
+        lines = replace(basis, window=f"{basis.window}, without {found.taken.words}")
     groups = harmonic_groups(found.coherent, HIGHEST_HARMONIC)
-    beside = None if groups is None else found.beside(clean, groups)
     on_its_own, beside_rad = found.over_record(block.sample_rate_Hz, channel)
-    numbers = (
-        frequency(
-            clean if found.by_signal else spectrum,
-            track,
-            on_its_own,
-            basis,
-            rate_relative,
-            sound.of_ratios or (_BEATS if beats else ""),
-            step,
-            beside_rad,
-        ),
-        *_refused(_lines(spectrum, clean, errors, of_steps, unit, channel, lines), sound.of_amplitudes),
-        *_refused(distortions(clean, errors, lines, channel, current_rated_A_rms, unit), sound.of_ratios),
-        *_refused(
-            [
-                distortion_with_noise(
-                    found.whole, found.steady.samples, found.components, errors, basis, channel
-                )
-            ],
-            sound.of_ratios,
-        ),
-        *_refused(
-            group_distortions(found.coherent, clean, errors, groups, basis, channel, beside), sound.of_ratios
-        ),
-        *_refused(
-            _noise(floor, spectrum.fundamental_Hz, unit, channel, lines),
-            sound.of_amplitudes,
-        ),
+    of_frequency = frequency(
+        found.clean if found.by_signal else found.spectrum,
+        found.track,
+        on_its_own,
+        basis,
+        rate_relative,
+        sound.of_ratios or (_BEATS if beats else ""),
+        step,
+        beside_rad,
+    )
+    amplitudes = fundamental_and_largest(found.spectrum, found.clean, errors, unit, channel, lines)
+    ratios = (
+        *distortions(found.clean, errors, lines, channel, current_rated_A_rms, unit),
+        distortion_with_noise(found.whole, found.steady.samples, found.components, errors, basis, channel),
+        *group_distortions(found.coherent, found.clean, errors, groups, basis, channel, found.beside(groups)),
+    )
+    noise = noise_numbers(_noise(found, step), found.spectrum.fundamental_Hz, unit, channel, lines)
+    others = (
+        *_refused(amplitudes, sound.of_amplitudes),
+        *_refused(ratios, sound.of_ratios),
+        *_refused(noise, sound.of_amplitudes),
     )
     of_lines = replace(lines, harmonics=len(errors.phase))
-    table = harmonic_table(clean, "current_harmonics", channel, unit, of_lines, errors=errors)
+    table = harmonic_table(found.clean, "current_harmonics", channel, unit, of_lines, errors=errors)
     why = sound.of_amplitudes
     share = flat_crest(samples, found.turns, step)
     if share and not why:
         why = crest_is_flat(share)
-        numbers = (numbers[0], *(with_flat_crest(each, share) for each in numbers[1:]))
+        others = tuple(with_flat_crest(each, share) for each in others)
     tables = [table.without_uncertainty(why) if why else table]
     if groups is not None:
         of_groups = group_basis(found.coherent, groups, basis)
         tables.append(group_table(groups, "current_groups", unit, of_groups))
-    return CurrentSpectrum(numbers, tuple(tables), spectrum, track, found.coherent, share)
+    numbers = (of_frequency, *others)
+    return CurrentSpectrum(numbers, tuple(tables), found.spectrum, found.track, found.coherent, share)
 
 
-def _errors(
-    found: Separation,
-    clean: CoherentSpectrum,
-    with_trend: tuple[CoherentSpectrum, float] | None,
-    step: float,
-) -> LineErrors:
-    """Return the errors of the harmonics, whose spectrum is `clean`; `with_trend` as in `line_errors`."""
+def _refusal(found: Separation, channel: str, unit: str) -> str:
+    """Return why no number is of the current itself: it is clipped, stands still, turns around or clicks; ""
+    where it is."""
+    invalid = clipping(found.samples, unit) or standing(found.samples, unit)
+    if not invalid and found.track.residual_rad is None:
+        between = None if found.close.lines is None else found.between
+        invalid = turned_around(found.cleaned, found.seen, channel, between)
+    if not invalid and found.seen.jump_rad and (clicks := clicks_among(found.samples, unit)):
+        return f"{clicks}: clicks, at which the phase of {channel} jumps; choose a window without them"
+    return invalid
+
+
+def _errors(found: Separation, step: float) -> LineErrors:
+    """Return the errors of the harmonics, whose spectrum is the clean one."""
     highest = min(HIGHEST_HARMONIC, len(harmonics(found.spectrum)))
-    seen, alone, others = found.seen, found.alone, found.others
+    seen, alone, others, trend = found.seen, found.alone, found.others, found.steady.trend
     errors = line_errors(
-        clean,
+        found.clean,
         highest,
         max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(found.cleaned)),
         step,
@@ -197,10 +161,39 @@ def _errors(
         found.turns,
         level_of(found.samples, step),
         seen.of_angle,
-        None if others is None else noise_of_fit(others, clean, highest, len(found.coherent.values)),
-        with_trend,
+        None if others is None else noise_of_fit(others, found.clean, highest, len(found.coherent.values)),
+        None if trend is None else (spectrum_of(found.cleaned), trend.of_level),
     )
     return replace(errors, beside=found.close.standard[:highest])
+
+
+def _may_beat(found: Separation, errors: LineErrors, step: float) -> bool:
+    """Return whether a line beside the fundamental may be all that changes it: it has no phase but its own,
+    and no harmonic tells."""
+    trend = found.steady.trend
+    return (
+        (found.by_signal or found.track.follows_signal)
+        and not found.close.turned_rad
+        and amplitude_changes(found.alone.amplitude, trend, step)
+        and not harmonics_tell(
+            found.clean if trend is None else spectrum_of(found.cleaned), len(errors.phase)
+        )
+    )
+
+
+def _noise(found: Separation, step: float) -> NoiseFloor | None:
+    """Return the noise floor between the harmonics, None where it is not known."""
+    quiet, spectrum = found.quiet
+    trend, follows_signal = found.steady.trend, found.track.follows_signal
+    has_moved = found.track.departure is not None or trend is not None
+    return without_changes(
+        noise_floor(spectrum, has_moved=has_moved, follows_signal=follows_signal),
+        spectrum,
+        quiet,
+        has_stepped=trend is not None and trend.is_step,
+        follows_signal=follows_signal,
+        step=step,
+    )
 
 
 def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
@@ -222,122 +215,6 @@ def _basis(coherent: CoherentSamples, spectrum: CoherentSpectrum, track: PhaseTr
         f"by {track.source}, resampled to {coherent.per_period} steps of phase each",
         gaps=0,
     )
-
-
-def _lines(
-    spectrum: CoherentSpectrum,
-    clean: CoherentSpectrum,
-    errors: LineErrors,
-    of_steps: float,
-    unit: str,
-    channel: str,
-    basis: Basis,
-) -> Iterator[Measurement]:
-    """Yield the fundamental and the largest low line; `of_steps` is how large one by a converter may be."""
-    periods, f_1 = spectrum.periods, spectrum.fundamental_Hz
-    text = f"peak amplitude at {raw(f_1, 6)} Hz"
-    own = combined_by_names(errors.budget(0))
-    why = "" if own is not None else errors.unknown
-    line = replace(basis, frequency_Hz=f_1)
-    yield Measurement(
-        "current_fundamental",
-        clean.fundamental,
-        unit,
-        text,
-        line,
-        own,
-        uncertainty_reason=why,
-        sensitivities=Sensitivities.of_line(channel, clean.fundamental),
-    )
-
-    # a line beside a harmonic, or an amplitude that wanders, is in the harmonic's bin and not in the harmonic
-    read = spectrum.amplitude.copy()
-    read[::periods] = clean.amplitude[::periods]
-    largest = largest_low_component(replace(spectrum, amplitude=read), _LOW_ORDER)
-    limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
-    text = (
-        f"largest peak amplitude below {raw(limit_Hz, 6)} Hz other than dc and the fundamental, here at "
-        f"{raw(largest.frequency_Hz, 6)} Hz; all bins, {raw(f_1 / periods, 4)} Hz apart"
-    )
-    low = replace(basis, bandwidth_Hz=limit_Hz, frequency_Hz=largest.frequency_Hz)
-    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
-    uncertain = _of_largest(clean if place % periods == 0 else spectrum, largest, errors, of_steps)
-    why = "" if uncertain is not None else f"the noise around {raw(largest.frequency_Hz, 4)} Hz is not known"
-    yield Measurement(
-        "current_max_low_harmonic",
-        largest.amplitude,
-        unit,
-        text,
-        low,
-        uncertain,
-        uncertainty_reason=why,
-        sensitivities=Sensitivities((Sensitivity(channel, largest.amplitude),), Largest(f_1)),
-    )
-
-
-def _of_largest(
-    spectrum: CoherentSpectrum, largest: Component, errors: LineErrors, of_steps: float
-) -> Uncertainty | None:
-    """Return the uncertainty of the largest of n bins, where noise alone reads the floor times sqrt(ln n),
-    and a converter alone up to `of_steps`."""
-    place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
-    order = place / spectrum.periods
-    floor = noise_floor(spectrum, 0, _LOW_ORDER)
-    alone2 = math.nan if floor is None else floor.amplitude**2 * math.log(_LOW_ORDER * spectrum.periods)
-    alone2 += of_steps**2
-    bias = largest.amplitude - math.sqrt(max(0.0, largest.amplitude**2 - alone2))
-    of_many = Contribution("largest of many bins of noise, or of lines by a converter", "B", bias)
-    nearest = min(max(round(order), 1), len(errors.phase)) - 1
-    if place == (nearest + 1) * spectrum.periods:
-        return combined_by_names((*errors.budget(nearest), of_many))
-    noise = line_noise(spectrum, np.array([place]))
-    around = math.hypot(*(float(each[nearest]) for each in (errors.phase, errors.resolution, errors.fit)))
-    lines = (
-        contribution_of_noise(
-            "noise and leakage beside the line", float(noise.in_phase[0]), float(noise.dof[0])
-        ),
-        of_many,
-        Contribution("resampling", "B", spectrum.resampling_error(largest.amplitude, order)),
-        Contribution("wander of the phase, resolution, tones nearby", "B", around),
-    )
-    return combined_by_names(lines)
-
-
-def _noise(
-    floor: NoiseFloor | None, fundamental_Hz: float, unit: str, channel: str, basis: Basis
-) -> Iterator[Measurement]:
-    which = (
-        "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh), or where the "
-        "density is steep the means of their squares"
-    )
-    names = (
-        ("current_noise_floor", unit, f"rms over the peak amplitudes of the {which}"),
-        ("current_noise_density", f"{unit}/sqrt(Hz)", f"rms per root of the width of a bin, of the {which}"),
-    )
-    for name, of, text in names:
-        if floor is None:
-            yield Measurement.undefined(name, of, text, _NO_FLOOR, basis)
-            continue
-        of_bins = name == "current_noise_floor"
-        value = floor.amplitude if of_bins else floor.density
-        of_bins_alone = Contribution(
-            f"scatter of {floor.bins} bins in bands, and what the lines' motion may leave in them",
-            "A",
-            value * floor.relative_error,
-            floor.dof,
-        )
-        changes = floor.by_time.line("change of its level with time", value)
-        uncertain = combined_by_names((of_bins_alone, *([changes] if changes.standard != 0.0 else [])))
-        yield Measurement(
-            name,
-            value,
-            of,
-            text,
-            replace(basis, bin_Hz=floor.bin_Hz) if of_bins else basis,
-            uncertain,
-            uncertainty_reason="" if uncertain is not None else TOO_SLOW,
-            sensitivities=Sensitivities((Sensitivity(channel, value),), Noise(fundamental_Hz)),
-        )
 
 
 def current_of(window: Window) -> CurrentSpectrum:

@@ -140,9 +140,11 @@ class Separation:
             return rest, self.close.turned_rad
         return rest, math.hypot(self.close.turned_rad, left_at_ends_rad(rest))
 
-    def beside(self, clean: CoherentSpectrum, groups: HarmonicGroups) -> Beside | None:
-        """Return what is in `groups` besides the harmonics, whose spectrum is `clean`; None where that is
-        nothing, or moves otherwise than they do."""
+    def beside(self, groups: HarmonicGroups | None) -> Beside | None:
+        """Return what is in `groups` besides the harmonics; None where that is nothing, or moves otherwise
+        than they do."""
+        if groups is None:
+            return None
         # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
         is_like_them = self.others is not None and (
             self.track.departure is None or not len(self.others.places)
@@ -158,7 +160,7 @@ class Separation:
             return None
         scatter = (0.0, 0.0)
         if self.others is not None:
-            scatter = scatter_of_phases(clean, self.others, groups, self.course)
+            scatter = scatter_of_phases(self.clean, self.others, groups, self.course)
         return Beside(self.between, of_lines, *scatter)
 
 
