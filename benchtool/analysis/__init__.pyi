@@ -29,10 +29,8 @@ from .distributions import (
     students_deviation as students_deviation,
 )
 from .flux.trajectory import flux_trajectory as flux_trajectory
-from .lines.lines import (
-    SpectralLines as SpectralLines,
-    spectral_lines as spectral_lines,
-)
+from .lines.line_numbers import SpectralLines as SpectralLines
+from .lines.lines import spectral_lines as spectral_lines
 from .measurement import (
     Basis as Basis,
     Correction as Correction,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -22,19 +21,17 @@ from benchtool.analysis.lines.around_lines import (
 )
 from benchtool.analysis.lines.drifting_lines import drifting_line
 from benchtool.analysis.lines.line_course import along_course
+from benchtool.analysis.lines.line_numbers import LISTED, STANDS_OUT, LinesOf, SpectralLines
 from benchtool.analysis.lines.quantised_lines import HANN_POWER, steps_in_lines
 from benchtool.analysis.lines.steadiness import Line, examined
-from benchtool.analysis.lines.swinging_lines import is_sideband, with_swing
-from benchtool.analysis.measurement import Basis, LineColumn, Measurement, Table
+from benchtool.analysis.lines.swinging_lines import with_swing
+from benchtool.analysis.measurement import Basis
 from benchtool.analysis.named_after import named_after
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
-from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectral_window import spectral_window
-from benchtool.analysis.statistics.repeatability import wander_of_line
 from benchtool.analysis.statistics.straight_lines import without_slope
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -42,22 +39,13 @@ from benchtool.block import Block
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-_LISTED, _LOOKED_AT = 10, 60
+_LOOKED_AT = 60
 _FEWEST = 64
 _LOWEST_BIN = 3  # below it the window spreads the mean
 _LEAST_RESPONSE = 8.0 / (3.0 * math.pi)  # of a Hann window, halfway between two bins
-_STANDS_OUT = 5.0  # of the noise's rms amplitude: by chance once in 1e11 bins
 _APART = 2.0  # standard uncertainties of a difference
 _NEARLY, _HALF = 0.9, 0.5  # of an amplitude
 _MOST_PLACES, _WHOLE = 1 << 16, 0.1
-
-
-@dataclass(frozen=True)
-class SpectralLines:
-    """Result of `spectral_lines`: NAME_line_frequency, NAME_line_amplitude, table NAME_lines."""
-
-    measurements: tuple[Measurement, ...]
-    tables: tuple[Table, ...]
 
 
 def spectral_lines(
@@ -79,7 +67,6 @@ def spectral_lines(
         AnalysisError: a gap, no such channel, or a dead signal.
     """
     require_unbroken(block)
-    name = name or named_after(channel)
     samples, unit, rate_Hz = (
         np.ascontiguousarray(block.column(channel)),
         block.unit(channel),
@@ -87,11 +74,6 @@ def spectral_lines(
     )
     require_signal(samples, channel, unit)
     count = len(samples)
-    width_Hz = rate_Hz / count
-    clipped = clipping(samples, unit)
-    bins = _windowed(samples)
-    rows = () if clipped or count < _FEWEST else _sinusoids(samples, bins)
-    drifts = "" if clipped else _drifts(bins, rows, unit, width_Hz)
     basis = Basis(
         samples=count,
         sample_rate_Hz=rate_Hz,
@@ -100,67 +82,19 @@ def spectral_lines(
         window="Hann, the whole record",
         gaps=0,
     )
-    width = f"{raw(width_Hz, 4)} Hz a bin"
-    what = f"{channel}, of the lines above {_STANDS_OUT:g} times the noise around them, {width}"
-    texts = (
-        ("frequency", "Hz", f"mean frequency of the largest sinusoid of {what}"),
-        ("amplitude", unit, f"mean peak amplitude of the largest sinusoid of {what}, without its sidebands"),
-    )
-    if not rows:
-        reason = clipped or drifts or "no line stands out of the noise"
-        if count < _FEWEST:
-            reason = f"{count} samples, at least {_FEWEST} are needed for a spectrum"
-        frequency, amplitude = (
-            Measurement.undefined(f"{name}_line_{key}", of, text, reason, basis) for key, of, text in texts
-        )
-        if not (clipped or drifts or count < _FEWEST):
-            amplitude = replace(amplitude, below=_least_that_stands_out(bins))
-        return SpectralLines((frequency, amplitude), (_table(name, (), channel, unit, what, basis),))
-    listed = tuple(
-        (
-            each.place * width_Hz,
-            each.amplitude,
-            width_Hz * math.hypot(each.of_place, rate_relative * each.place),
-            each.of_amplitude,
-        )
-        for each in rows[:_LISTED]
-    )
-    slower = _slower(samples, unit, rows[0]) or drifts
-    reason = slower or rows[0].reason or ("" if len(rows) < 2 else _not_apart(rows[0], rows[1], unit))
-    source = "noise around the line and resolution, and what else its shape allows"
-    of_line = replace(basis, line_Hz=listed[0][0], frequency_Hz=listed[0][0])
-    declared = Sensitivities.unmoved(channel), Sensitivities.of_line(channel, listed[0][1])
-    frequency, amplitude = (
-        Measurement(
-            f"{name}_line_{key}",
-            listed[0][at],
-            of,
-            text,
-            of_line,
-            Uncertainty(listed[0][2 + at], source),
-            sensitivities=sensed.chosen,
-        )
-        for at, ((key, of, text), sensed) in enumerate(zip(texts, declared, strict=True))
-    )
-    if rate_relative > 0.0:
-        own = Contribution(source, "A", width_Hz * rows[0].of_place)
-        of_rate = Contribution("sample rate", "B", rate_relative * listed[0][0])
-        uncertain = combined([own, of_rate], f"{source}, and the rate by the time stamps")
-        frequency = replace(frequency, uncertainty=uncertain)
-    frequency = replace(
-        frequency, repeatability=wander_of_line(samples - np.mean(samples), rate_Hz, listed[0][0])
-    )
-    why = slower or rows[0].reason or rows[0].of_mean
-    if why:
-        amplitude = Measurement.undefined(amplitude.name, unit, amplitude.definition, why, basis)
-    elif unsure := rows[0].unsure or next((each.unsure for each in rows if is_sideband(rows[0], each)), ""):
-        amplitude = replace(amplitude, uncertainty=None, uncertainty_reason=unsure)
-    if rows[0].unsure:
-        text = f"{frequency.definition}, between its sidebands, whatever part of a swing the record holds"
-        frequency = replace(frequency, definition=text)
-    if reason:
-        frequency = Measurement.undefined(frequency.name, "Hz", frequency.definition, reason, basis)
-    return SpectralLines((frequency, amplitude), (_table(name, listed, channel, unit, what, basis),))
+    record = LinesOf(samples, rate_Hz, name or named_after(channel), channel, unit, basis, rate_relative)
+    if clipped := clipping(samples, unit):
+        return record.without_lines(clipped)
+    if count < _FEWEST:
+        return record.without_lines(f"{count} samples, at least {_FEWEST} are needed for a spectrum")
+    bins = _windowed(samples)
+    rows = _sinusoids(samples, bins)
+    drifts = _drifts(bins, rows, unit, record.width_Hz)
+    if rows:
+        return record.with_lines(rows, _slower(samples, unit, rows[0]) or drifts)
+    if drifts:
+        return record.without_lines(drifts)
+    return record.without_lines("no line stands out of the noise", _least_that_stands_out(bins))
 
 
 def sinusoids_of(samples: Floats) -> list[Line]:
@@ -175,7 +109,7 @@ def _sinusoids(samples: Floats, bins: Complexes) -> list[Line]:
     size, step = np.abs(bins), resolution(samples)
     is_even = step > 0.0 and _is_whole(2.0 * float(np.mean(samples) - level_of(samples, step)) / step)
     rows = [_line(bins, size, place, count, step, is_even) for place in _candidates(size)]
-    rows = [each for each in rows if each.amplitude > _STANDS_OUT * each.noise]
+    rows = [each for each in rows if each.amplitude > STANDS_OUT * each.noise]
     rows = sorted(rows, key=lambda each: -each.amplitude)[:_LOOKED_AT]
     steps = steps_in_lines(samples, bins, rows, step) if rows else None
     found = _examined(bins, count, rows if steps is None else [steps.with_noise(each) for each in rows])
@@ -188,7 +122,7 @@ def _examined(bins: Complexes, count: int, rows: list[Line]) -> list[Line]:
     changes are part of it."""
     found: list[Line] = []
     for each in rows:
-        if len(found) < _LISTED and not any(abs(each.place - one.place) < one.width for one in found):
+        if len(found) < LISTED and not any(abs(each.place - one.place) < one.width for one in found):
             now = examined(bins, count, each, rows)
             found.append(now if now.reason or now.width else with_swing(bins, count, now))
     return sorted(found, key=lambda each: -each.amplitude)
@@ -229,7 +163,7 @@ def _least_that_stands_out(bins: Complexes) -> float:
         return float(np.max(size)) / _LEAST_RESPONSE
     greatest = int(places[np.argmax(size[places])])
     noise = surrounded(bins, size, greatest).noise
-    return max(float(size[greatest]) + _APART * noise, _STANDS_OUT * noise) / _LEAST_RESPONSE
+    return max(float(size[greatest]) + _APART * noise, STANDS_OUT * noise) / _LEAST_RESPONSE
 
 
 def _windowed(samples: Floats) -> Complexes:
@@ -237,17 +171,6 @@ def _windowed(samples: Floats) -> Complexes:
     weights = spectral_window("hann", len(samples))
     bins = fft.rfft((samples - np.mean(samples)) * weights) * (2.0 / float(np.sum(weights)))
     return np.asarray(bins)
-
-
-def _not_apart(largest: Line, second: Line, unit: str) -> str:
-    """Return why the largest line is ambiguous; empty if it is not."""
-    both = math.hypot(largest.of_amplitude, second.amplitude if second.reason else second.of_amplitude)
-    if largest.amplitude - second.amplitude > _APART * both:
-        return ""
-    return (
-        f"two lines, of {raw(largest.amplitude, 4)} and {raw(second.amplitude, 4)} {unit}, are equally large "
-        f"within their uncertainty: the table has both"
-    )
 
 
 def _peaks(bins: Floats) -> NDArray[np.int64]:
@@ -272,7 +195,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     within = math.ceil(reach / size)
     padded = np.pad(third, within, mode="edge")
     lowest: Floats = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
-    level = _STANDS_OUT / RAYLEIGH * _LEAST_RESPONSE
+    level = STANDS_OUT / RAYLEIGH * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:
         return (places <= reach) | (places >= len(blocks) * size - reach)
@@ -327,28 +250,6 @@ def _of_steps(line: Surrounded, count: int, step: float, is_even: bool) -> tuple
 
 def _is_whole(number: float) -> bool:
     return abs(number - round(number)) < _WHOLE
-
-
-def _table(
-    name: str, rows: tuple[tuple[float, ...], ...], channel: str, unit: str, what: str, basis: Basis
-) -> Table:
-    return Table(
-        f"{name}_lines",
-        f"the largest sinusoids of {what}, means over the record, with standard uncertainties from the noise "
-        f"around each; none where its amplitude or frequency changes so that the line is wider",
-        (
-            *(("frequency_Hz", "Hz"), ("amplitude", unit)),
-            *(("frequency_uncertainty_Hz", "Hz"), ("amplitude_uncertainty", unit)),
-        ),
-        rows,
-        basis,
-        lines=(
-            LineColumn("amplitude", "amplitude_uncertainty", channel, "frequency_Hz"),
-            LineColumn(
-                "frequency_Hz", "frequency_uncertainty_Hz", channel, "frequency_Hz", is_amplitude=False
-            ),
-        ),
-    )
 
 
 def _measure(window: Window, _: NoSettings) -> Findings:
