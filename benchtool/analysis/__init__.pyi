@@ -75,13 +75,13 @@ from .orders.orders import (
     Orders as Orders,
     order_analysis as order_analysis,
 )
+from .orders.speed_beside_angle import speed_beside_angle as speed_beside_angle
 from .periods import (
     PhaseTrack as PhaseTrack,
     track_angle as track_angle,
     track_tone as track_tone,
 )
 from .phase.mean_frequency import angle_remarks as angle_remarks
-from .phase.speed_beside_angle import speed_beside_angle as speed_beside_angle
 from .plug_ins import guarded as guarded
 from .quantisation.counted_line import (
     least_spread as least_spread,
