@@ -167,3 +167,20 @@ def test_a_decaying_dc_is_no_scatter_of_thd_with_noise() -> None:
     claimed = [each.uncertainty.standard for each in found if each.uncertainty is not None]
     assert len(claimed) == len(found)
     assert 0.7 < np.std(values, ddof=1) / np.mean(claimed) < 1.5
+
+
+@pytest.mark.parametrize("step", [0.0, 2.1 / 2**7])
+def test_thd_with_noise_and_its_uncertainty_are_the_same_in_any_unit(step: float) -> None:
+    turned = np.arange(8050) / 200.7
+    samples = np.cos(2 * np.pi * turned)
+    if step:
+        samples = np.round(samples / step) * step
+    else:
+        samples += 0.05 * np.cos(4 * np.pi * turned) + 0.03 * np.cos(12.1 * np.pi * turned)
+        samples += 1e-3 * np.random.default_rng(5).standard_normal(len(samples))
+    one, other = with_noise(samples), with_noise(4.0 * samples)
+    assert one.uncertainty is not None
+    assert other.uncertainty is not None
+    assert other.value == pytest.approx(one.value, rel=1e-6)
+    for own, same in zip(one.uncertainty.budget, other.uncertainty.budget, strict=True):
+        assert (same.name, same.standard) == (own.name, pytest.approx(own.standard, rel=1e-4))
