@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
 from benchtool.analysis.quantisation.resolution import resolution, step_of_counts, step_of_even_counts
-from benchtool.analysis.validity import require_signal
+from benchtool.analysis.validity import require_signal, standing
 from benchtool.errors import AnalysisError
 
 _FEWEST_PERIODS = 2
@@ -177,9 +177,26 @@ def track_angle(theta_m: NDArray[np.float64], pole_pairs: int, name: str = "thet
 
     Raises:
         AnalysisError: fewer than two periods, not finite, standstill, or the speed changes by
-            more than 10 % within the record, or its direction.
+            more than 10 % within the record, or its direction; of an angle that has one value for a while,
+            that it does.
     """
     require_signal(theta_m, name, "rad")
+    try:
+        return _track_moving(theta_m, pole_pairs, name)
+    except AnalysisError:
+        if held := standing(theta_m, "rad"):
+            raise AnalysisError(
+                f"'{name}': {held}, or the rotor did: choose a window in which it turns"
+            ) from None
+        raise
+
+
+def _track_moving(theta_m: NDArray[np.float64], pole_pairs: int, name: str) -> PhaseTrack:
+    """Return the track of an angle that changes.
+
+    Raises:
+        AnalysisError: as `track_angle`.
+    """
     theta_e = _unwrap(theta_m)
     theta_e *= pole_pairs if theta_e[-1] >= theta_e[0] else -pole_pairs
     _require_periods(float(np.ptp(theta_e)), name)

@@ -116,14 +116,14 @@ def clipping(samples: NDArray[np.float64], unit: str = "") -> str:
     return ""
 
 
-def require_unclipped(samples: NDArray[np.float64], name: str, unit: str = "") -> None:
-    """Refuse samples, shape (n,), that are clipped: lines of them are too small.
+def require_unheld(samples: NDArray[np.float64], name: str, unit: str = "") -> None:
+    """Refuse samples, shape (n,), that are clipped or held for a while: lines of them are too small.
 
     Raises:
-        AnalysisError: as `clipping` says.
+        AnalysisError: as `clipping` and `standing` say.
     """
-    if clipped := clipping(samples, unit):
-        raise AnalysisError(f"'{name}': {clipped}")
+    if invalid := clipping(samples, unit) or standing(samples, unit):
+        raise AnalysisError(f"'{name}': {invalid}")
 
 
 def clipped_share(samples: NDArray[np.float64]) -> float:

@@ -36,7 +36,7 @@ from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.spectra.modulation import PeriodsInTime
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
-from benchtool.analysis.validity import require_signal, require_unbroken, require_unclipped
+from benchtool.analysis.validity import require_signal, require_unbroken, require_unheld
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
 
@@ -219,7 +219,7 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
             f"least {FEWEST_REVOLUTIONS:g} are needed for orders: record a longer window"
         )
     require_signal(block.column(channel), channel, block.unit(channel))
-    require_unclipped(block.column(channel), channel, block.unit(channel))
+    require_unheld(block.column(channel), channel, block.unit(channel))
     speed = speed_of_record(block, channel, omega_m_rad_s)
     source = f"stated constant speed of {omega_m_rad_s:.6g} rad/s"
     if speed.omega_m_rad_s != omega_m_rad_s:

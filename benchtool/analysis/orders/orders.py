@@ -43,7 +43,7 @@ from benchtool.analysis.quantisation.resolution import resolution
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.flat_crests import crest_is_flat, flat_crest, with_flat_crest
 from benchtool.analysis.uncertainty import Uncertainty
-from benchtool.analysis.validity import require_finite, require_unclipped
+from benchtool.analysis.validity import require_finite, require_unheld
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.document import Array, Section
@@ -122,7 +122,7 @@ def order_analysis(
     Raises:
         AnalysisError: no such channel, a dead or clipped signal, fewer than two mechanical revolutions.
     """
-    require_unclipped(block.column(channel), channel, block.unit(channel))
+    require_unheld(block.column(channel), channel, block.unit(channel))
     name = name or named_after(channel)
     found = describe_orders(_spectrum(block, channel, angle, known), name, pole_pairs, slots, orders)
     share = 0.0

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.polynomial import Polynomial
 
-from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.errors import AnalysisError
 
 
 def test_the_first_period_begins_at_row_0_though_the_phase_turns_back_there() -> None:
@@ -20,3 +22,16 @@ def test_the_first_period_begins_at_row_0_though_the_phase_turns_back_there() ->
     marks = track.period_marks()
     assert marks[0] == track.period_rows()[0] == 0
     np.testing.assert_allclose(np.diff(marks), 2 * np.pi / speed, atol=1.1)
+
+
+@pytest.mark.parametrize("stands", [slice(2000, None), slice(0, 1500), slice(1000, 4000)])
+def test_an_angle_that_stands_still_is_told_as_such(stands: slice) -> None:
+    """The speed was said to change by 449 %, or the angle to cover no period."""
+    theta_m = np.mod(
+        0.006 * np.arange(5000) + 1e-5 * np.random.default_rng(0).standard_normal(5000), 2 * np.pi
+    )
+    theta_m[stands] = theta_m[stands][0]
+    with pytest.raises(
+        AnalysisError, match=r"^'theta_m': \d+ samples in a row .* stood still, or the rotor did"
+    ):
+        track_angle(theta_m, 4)

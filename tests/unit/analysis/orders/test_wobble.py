@@ -1,4 +1,4 @@
-"""Orders on an angle that wobbles, of few revolutions and of a clipped signal."""
+"""Orders on an angle that wobbles, of few revolutions and of a signal that is clipped or stood still."""
 
 from __future__ import annotations
 
@@ -59,6 +59,15 @@ def test_orders_of_a_clipped_signal_are_refused() -> None:
 
     with pytest.raises(AnalysisError, match="clipped"):
         order_analysis(block_of(theta_m, np.minimum(torque_at(theta_m) + noise, 0.75)), "torque")
+
+
+def test_orders_of_a_signal_that_stood_still_are_refused() -> None:
+    """The mean and the ripple of that torque were, and its orders were small and certain."""
+    theta_m = steady(8.0)
+    torque = torque_at(theta_m) + np.random.default_rng(4).normal(0.0, 0.01, len(theta_m))
+    torque[len(torque) // 3 :] = torque[len(torque) // 3]
+    with pytest.raises(AnalysisError, match=r"^'torque': \d+ samples in a row .* stood still"):
+        order_analysis(block_of(theta_m, torque), "torque")
 
 
 @pytest.mark.parametrize("wobble_rad", [1e-3, 3e-3])
