@@ -235,7 +235,8 @@ def _table(shares: NDArray[np.float64], basis: Basis) -> Table:
     return Table(
         "switching_states",
         "basic vectors that make u_alpha, u_beta from u_dc by space-vector modulation, 0 standing for both "
-        "zero vectors: share of the time, and share of the periods in which the vector is used",
+        "zero vectors, which have no angle: share of the time, and share of the periods in which the vector "
+        "is used",
         (("vector", ""), ("angle", "deg"), ("time_share", "%"), ("period_share", "%")),
         tuple((float(k), float(angle[k]), float(share[k]), float(used[k])) for k in range(_VECTORS)),
         basis,

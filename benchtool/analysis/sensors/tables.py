@@ -7,7 +7,7 @@ is found in the same way. Other tables say that their rows are as they were read
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Final
 
@@ -24,6 +24,7 @@ AS_READ: Final = (
 """Of a table whose rows no measurement is like."""
 
 _UNKNOWN = "the noise around the line is not known"
+_MOST_LISTED = 5
 
 Row = dict[str, float]
 
@@ -37,7 +38,7 @@ def with_sensors(table: Table, apply: Apply) -> Table:
     names = [name for name, _ in table.columns]
     units = dict(table.columns)
     rows = [dict(zip(names, row, strict=True)) for row in table.rows]
-    added, remarks, reasons = [0.0] * len(rows), dict[str, None](), dict[str, list[int]]()
+    added, remarks, reasons = [0.0] * len(rows), dict[str, None](), dict[str, dict[int, None]]()
     for column in table.lines:
         for place, row in enumerate(rows):
             read = _read(row, column, units[column.value], table)
@@ -50,7 +51,7 @@ def with_sensors(table: Table, apply: Apply) -> Table:
             known = math.isfinite(standard)
             row[column.uncertainty] = standard if known else math.nan
             if not known and math.isfinite(found.value):
-                reasons.setdefault(found.uncertainty_reason, []).append(place)
+                reasons.setdefault(found.uncertainty_reason, {})[place] = None
     _with_shares(rows, table)
     extra: tuple[tuple[str, str], ...] = ()
     if any(added):
@@ -103,11 +104,11 @@ def _with_shares(rows: list[Row], table: Table) -> None:
                 row[name] *= row["amplitude"] / read[place]
 
 
-def _of_rows(reason: str, places: list[int], rows: list[Row]) -> str:
+def _of_rows(reason: str, places: Collection[int], rows: list[Row]) -> str:
     """Return a reason with the rows that it is of."""
     if len(places) == len(rows):
         return reason
-    listed = ", ".join(f"{rows[place].get('order', place + 1):.0f}" for place in places[:5])
-    more = f" and {len(places) - 5} more" if len(places) > 5 else ""
+    listed = ", ".join(f"{rows[place].get('order', place + 1):.0f}" for place in [*places][:_MOST_LISTED])
+    more = f" and {len(places) - _MOST_LISTED} more" if len(places) > _MOST_LISTED else ""
     what = "order" if "order" in rows[0] else "row"
-    return f"{what} {listed}{more}: {reason}"
+    return f"{what if len(places) == 1 else f'{what}s'} {listed}{more}: {reason}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from benchtool.analysis import NOTHING, catalogue, raw
+from benchtool.analysis import NOTHING, catalogue, raw, undefined, without_uncertainty
 from benchtool.plan import Plan, Verdict
 from benchtool.report.assembly.case import case_appendix, case_facts, case_items, circumstances, failure
 from benchtool.report.assembly.figures import run_figures
@@ -20,9 +20,10 @@ from benchtool.report.results import (
     mark,
     verdict_cell,
 )
-from benchtool.results import JudgedTogether, RecordedCase, RecordedRun, Repeated
+from benchtool.results import Assessment, JudgedTogether, RecordedCase, RecordedRun, Repeated
 
 _MOST_FOREMOST = 5
+_MOST_NAMED = 4  # cases
 _FEW_CASES = 4
 _REPEATED = ("measurement", ">mean ± U (95 %)", "unit", ">n")
 _OF_LIMITS = ("limit", "decision rule", ">P", "verdict")
@@ -78,6 +79,7 @@ def _overview(run: RecordedRun) -> Iterator[Item]:
     yield Grid.of(("case", *headings, *(("link",) if several else ()), "verdict"), rows)
     if any(result.published for result in results):
         yield Text("Published figures stand in brackets.", "note")
+    yield from _lacking(results, names)
     if plan is None:
         return
     yield from _over_repetitions(run, names)
@@ -162,6 +164,20 @@ def _overview_cell(case: RecordedCase, name: str) -> Cell:
     if name in result.published:
         text += f" ({raw(result.published[name])})"
     return Cell(text, mark(result.verdicts[name]) if name in result.verdicts else "")
+
+
+def _lacking(results: Sequence[Assessment], names: Sequence[str]) -> Iterator[Text]:
+    """Yield why measurements of the overview have no value or no uncertainty in some cases."""
+    for what, reasons_of in (("Undefined", undefined), ("Without ±", without_uncertainty)):
+        found: dict[tuple[str, str], list[str]] = {}
+        for result in results:
+            shown = [each for each in result.measurements if each.name in names]
+            for reason, lacking in reasons_of(shown).items():
+                found.setdefault((", ".join(lacking), reason), []).append(result.case)
+        for (lacking_of_all, reason), where in found.items():
+            more = f" and {len(where) - _MOST_NAMED} more" if len(where) > _MOST_NAMED else ""
+            told = f"{', '.join(where[:_MOST_NAMED])}{more}"
+            yield Text(f"{what}: {lacking_of_all} of {told}: {reason.rstrip('.')}.", "note")
 
 
 def _differences(run: RecordedRun) -> Iterator[Item]:

@@ -24,7 +24,7 @@ from benchtool.analysis.measurement import Basis, LineColumn
 from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.sensors.instruments import Instruments, Perturbed
-from benchtool.analysis.sensors.tables import AS_READ
+from benchtool.analysis.sensors.tables import AS_READ, with_sensors
 from benchtool.analysis.torque.ripple_percentiles import LOW_PERCENT
 from benchtool.analysis.window import Window
 from benchtool.block import Block
@@ -307,3 +307,20 @@ def test_a_row_of_a_table_is_the_measurement_of_that_line() -> None:
     assert (again.uncertainty_reason, again.rows[1]) == (found.uncertainty_reason, found.rows[1])
     (groups,) = instruments.applied_to([Table("groups", "", (("order", ""),), ((1.0,),))])
     assert groups.uncertainty_reason == AS_READ
+
+
+def test_rows_without_an_uncertainty_are_counted_once() -> None:
+    """A row that lacks that of its frequency and of its amplitude was row "1, 1"."""
+    columns = (("f", "Hz"), ("u_f", "Hz"), ("amplitude", "Nm"), ("uncertainty", "Nm"))
+    lines = (
+        LineColumn("f", "u_f", "torque", is_amplitude=False),
+        LineColumn("amplitude", "uncertainty", "torque"),
+    )
+    rows = tuple((10.0 * n, math.nan, 0.1, math.nan if n < 8 else 0.01) for n in range(1, 10))
+    table = Table(
+        "lines", "", columns, (*rows[:7], (80.0, 0.1, 0.1, 0.01), (90.0, 0.1, 0.1, 0.01)), lines=lines
+    )
+    found = with_sensors(table, lambda each: each)
+    assert found.uncertainty_reason == "rows 1, 2, 3, 4, 5 and 2 more: the noise around the line is not known"
+    found = with_sensors(replace(table, rows=table.rows[6:]), lambda each: each)
+    assert found.uncertainty_reason == "row 1: the noise around the line is not known"
