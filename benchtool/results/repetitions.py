@@ -296,8 +296,9 @@ def _within(found: Sequence[Measurement], spread: float) -> Iterator[Contributio
 
 
 def _least_known(found: Sequence[Measurement]) -> Uncertainty | None:
-    """Return the largest uncertainty of repetitions, of all of which it is known."""
-    known = [each.uncertainty for each in found if math.isfinite(each.value)]
+    """Return the largest uncertainty of repetitions, of all of which it is known, with how far another record
+    differs: no scatter tells."""
+    known = [each.uncertainty_of_state for each in found if math.isfinite(each.value)]
     each_of_them = [each for each in known if each is not None]
     if not each_of_them or len(each_of_them) < len(known):
         return None
