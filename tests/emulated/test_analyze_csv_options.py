@@ -158,3 +158,65 @@ def test_a_place_that_is_taken_is_refused_before_anything_is_measured(invoke: In
     refused = invoke(*TABLE, "--current", "Id", "--ac", "--out", taken)
     assert (refused.exit_code, refused.stdout) == (3, "")
     assert {"kept": "kept has content", "x.csv": "cannot write x.csv: it is a file"}[taken] in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "complaint"),
+    [
+        ((), 2, "neither RUN nor --csv FILE"),
+        (("run", "--csv", "a.csv", "--time", "t", "--current", "I"), 2, "both run and --csv a.csv"),
+        (("run", "--time", "t"), 2, "columns and motor go with --csv"),
+        (("a.csv", "--time", "t"), 2, "a table of another tool is --csv a.csv"),
+        (("--csv", "a.csv"), 2, "or state --rate in Hz (it has 1 't', 2 'I')"),
+        (("--csv", "no.csv"), 2, "--csv without --time"),
+        (("--csv", "a.csv", "--time", "t"), 2, "current, torque or speed (it has 1 't', 2 'I')"),
+        (("--csv", "a.csv", "--time", "t", "--angle", "t"), 2, "--csv without --current"),
+        (
+            ("--csv", "a.csv", "--time", "t", "--torque", "I", "--rated-torque", "-1"),
+            2,
+            "--rated-torque is -1",
+        ),
+        (("--csv", "no.csv", "--time", "t", "--current", "I"), 2, "cannot read no.csv: No such file"),
+        (("--csv", "a.csv", "--time", "t", "--current", "x"), 2, "no column 'x', it has 1 't', 2 'I'"),
+        (("--csv", "a.csv", "--time", "t", "--current", "I:rpm"), 2, "'rpm' is no unit of column 'I'"),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--from", "9"),
+            2,
+            "no row of a.csv is from 9 s",
+        ),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--from", "0.5", "--to", "0.2"),
+            2,
+            "--from 0.5 is after --to 0.2",
+        ),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--pole-pairs", "4"), 2, "without --angle"),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--slots", "6"), 2, "--slots without --angle"),
+        (("--csv", "a.csv", "--time", "t", "--current", "I", "--rated-torque", "4"), 2, "without --torque"),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--torque", "2"),
+            2,
+            "column 2 of a.csv is asked for as current and torque",
+        ),
+    ],
+)
+def test_mistakes(invoke: Invoke, arguments: tuple[str, ...], code: int, complaint: str) -> None:
+    write("a.csv", "t,I", list(phase_current()))
+    result = invoke(*arguments, "--json")
+    assert result.exit_code == code, result.output
+    assert result.stdout == ""
+    (line,) = result.stderr.strip().splitlines()
+    assert line.startswith("benchtool: ")
+    assert complaint in line
+
+
+def test_a_date_in_place_of_seconds_is_named(invoke: Invoke) -> None:
+    Path("iso.csv").write_text("t,I,T\n" + "21.11.26 12:00:00,1,2\n" * 9, encoding="utf-8")
+    result = invoke("--csv", "iso.csv", "--time", "t", "--current", "I")
+    assert result.exit_code == 2
+    assert "the first '21.11.26 12:00:00' in column 1: check the columns; times in seconds" in result.stderr
+
+
+def test_the_help_says_how_columns_are_named(invoke: Invoke) -> None:
+    text = " ".join(invoke("--help").stdout.split())
+    assert "counted from 1" in text
+    assert "--current Iq:mA" in text

@@ -416,3 +416,9 @@ def test_ten_lines_of_numpy_give_the_numbers_again(recorded: Path) -> None:
     assert numbers["turns"] == round(
         measured["fundamental_frequency"]["value"] * measured["fundamental_frequency"]["basis"]["duration_s"]
     )
+
+
+def test_a_page_is_never_called_pdf(tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ("report", str(tmp_path), "--out", "x.pdf"))
+    assert result.exit_code == 2
+    assert "--out x.pdf names a PDF, the page is HTML: add --pdf" in result.stderr
