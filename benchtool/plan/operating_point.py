@@ -184,12 +184,13 @@ def measure_reached(
         wanted: as `targets` returns them.
         plan: what was captured and played.
         point: the operating point of the case.
-        motor: its inertia separates load from acceleration in torque mode.
+        motor: its inertia separates load from acceleration in torque mode, and its pole pairs tell the speed
+            of a current's phase.
         capture: rows that are measured.
         transducer: torque on the shaft over the same time, if there is one.
         seen: readings of the drive.
     """
-    signals = _Signals(_rows(plan, capture), transducer, seen)
+    signals = _Signals(_rows(plan, capture), transducer, seen, motor.pole_pairs)
     return tuple(_measured(each, point, motor, signals) for each in wanted)
 
 
@@ -285,11 +286,12 @@ class _Signals:
     rows: Block | None
     transducer: Block | None
     seen: CaseReadings
+    pole_pairs: int
 
     def mean(self, name: str) -> _Mean | None:
         """Return the mean over the rows, or else of the readings; None without both."""
         if self.rows is not None and name in self.rows.names:
-            return _mean_of(self.rows, name, f"{name} in the capture")
+            return _mean_of(self.rows, name, f"{name} in the capture", self.pole_pairs)
         readings = np.array(self.seen.readings.get(name, ()), dtype=np.float64)
         if not len(readings):
             return None
@@ -321,13 +323,19 @@ class _Signals:
         return _Slope.of("omega_m", omega_m, period_s)
 
 
-def _mean_of(block: Block, name: str, source: str) -> _Mean:
+def _mean_of(block: Block, name: str, source: str, pole_pairs: int = 1) -> _Mean:
     samples, between = block.column(name), None
     scatter = error_of_record(samples).line("scatter over parts of the record")
-    if name == "omega_m" and "theta_m" in block.names:
-        beside = speed_beside_angle(samples, block.column("theta_m"), block.sample_rate_Hz)
+    if name == "omega_m":
+        theta_m, i_a = (
+            np.ascontiguousarray(block.column(each)) if each in block.names else None
+            for each in ("theta_m", "i_a")
+        )
+        beside = speed_beside_angle(
+            np.ascontiguousarray(samples), block.sample_rate_Hz, theta_m, i_a, pole_pairs
+        )
         if beside is not None:
-            scatter = beside.error.line("scatter beside the course of theta_m")
+            scatter = beside.error.line(f"scatter beside the course of {beside.channel}")
             between = beside.between_records
     reading = MeanReading.of(Channel(name, block.unit(name)), samples, block.sample_rate_Hz)
     return _Mean(reading.mean, (scatter,), reading, record_basis(block), source, between_records=between)

@@ -127,7 +127,7 @@ SECTIONS: Final = (
         "What a plan asks for, what a run does, and how a recording is kept (`benchtool.plan`, "
         "`benchtool.run`, `benchtool.recording`).",
         """
-        0009 0027 0087 0111 0155 0131 0521
+        0009 0027 0517 0087 0111 0155 0131 0521
         0030 0031 0080 0145 0078
         """,
     ),
@@ -193,7 +193,7 @@ SECTIONS: Final = (
         "The uncertainty of a mean or rms whose values are correlated, drift, cycle or wander "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0077 0124 0434 0146 0163 0247 0311 0218 0397
+        0077 0124 0434 0146 0163 0247 0311 0508 0218 0397
         0408 0443 0230 0290 0436 0445 0474 0500 0476 0493 0494 0495
         0453
         """,
@@ -246,7 +246,7 @@ SECTIONS: Final = (
         """
         0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487 0496
         0497
-        0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491 0452
+        0238 0344 0348 0509 0405 0410 0359 0324 0343 0347 0448 0491 0452
         """,
     ),
     Section(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from benchtool.analysis import Instruments, Measurement
+from benchtool.analysis import Instruments, Measurement, speed_beside_angle
 from benchtool.block import Block
 from benchtool.plan.cases import cases
 from benchtool.plan.model import OperatingPoint, Plan
@@ -181,6 +181,23 @@ def test_of_a_speed_beside_its_angle_what_both_show_is_no_error() -> None:
         alone.append(math.inf if of_speed.uncertainty is None else of_speed.uncertainty.standard)
         assert found.uncertainty.standard < 0.05 * alone[-1]
     assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_of_a_speed_beside_a_current_its_slow_course_is_no_error() -> None:
+    random, rate_Hz, count, errors = np.random.default_rng(10), 1e4, 4000, []
+    for _ in range(20):
+        time_s = np.arange(count) / rate_Hz
+        swing = 1.5 * np.cos(2.0 * np.pi * 1.2 * time_s + random.uniform(0.0, 2.0 * np.pi))
+        turned = np.cumsum(50.0 + swing) / rate_Hz
+        i_a = 5.0 * np.cos(4.0 * turned + 0.7) + 0.2 * np.cos(20.0 * turned)
+        omega_m = 50.0 + swing + 0.05 * random.standard_normal(count)
+        found = speed_beside_angle(omega_m, rate_Hz, i_a=i_a, pole_pairs=4)
+        assert found is not None
+        assert found.channel == "i_a"
+        errors.append((np.mean(omega_m) - 50.0 - np.mean(swing)) / found.error.standard)
+        assert speed_beside_angle(omega_m, rate_Hz, i_a=np.zeros(count), pole_pairs=4) is None
+        assert speed_beside_angle(omega_m, rate_Hz) is None
+    assert np.sqrt(np.mean(np.square(errors))) < 1.2
 
 
 def test_an_angle_that_does_not_turn_with_the_speed_tells_nothing_of_it() -> None:
