@@ -22,7 +22,7 @@ from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_l
 from benchtool.analysis.statistics.outlying_samples import converter_step
 from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
 from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
-from benchtool.analysis.steps.last_lobe import rms_beyond_lobes
+from benchtool.analysis.steps.lobes import rms_beyond_crests, rms_beyond_lobes
 from benchtool.analysis.steps.passages import (
     LEAST_DEFINED,
     SEED,
@@ -316,7 +316,8 @@ class NoisyCurve:
         not, and before the first sample where that is above already.
 
         Until the curve is beyond the level by more than the noise, it may cross repeatedly: the instant is
-        placed after as many samples as lie below the level. A trough that noise does not make ends that.
+        placed after as many samples as lie below the level. A trough that noise does not make ends that. That
+        noise alone may make a crest pass the level, or keeps it below, is in the uncertainty.
         """
         found = self.passage(level)
         return None if found is None else found.instant
@@ -337,7 +338,10 @@ class NoisyCurve:
         course = rising(above, sure) if len(shifted) else above
         drawn = (first_passage(course + each, sure) for each in shifted)
         places = np.array([math.nan if each is None else each.place for each in drawn])
-        return Passage(found.place, found.reach, places)
+        of_crests = 0.0
+        if len(shifted):
+            of_crests = rms_beyond_crests(above, course, self.errors, self.standard, found.place, places)
+        return Passage(found.place, found.reach, places, of_crests)
 
     def rise(self, low: float, high: float) -> Instant | None:
         """Return how long the curve takes from its first rise to a level to that to a higher one; None if it
@@ -345,20 +349,18 @@ class NoisyCurve:
 
         What the errors move both by cancels.
         """
-        sure = _SURE * self.standard
-        first, last = (first_passage(self.values - level, sure) for level in (low, high))
-        if first is None or last is None:
+        lower, upper = self.passage(low), self.passage(high)
+        if lower is None or upper is None:
             return None
-        moved, wide = [], math.hypot(first.reach, last.reach) / math.sqrt(3.0)
-        courses = [rising(self.values - level, sure) for level in (low, high)] if len(self.errors) else []
-        for each in self.errors:
-            one, other = (first_passage(course + each, sure) for course in courses)
-            if one is not None and other is not None:
-                moved.append(other.place - one.place - (last.place - first.place))
+        wide = math.hypot(lower.reach, upper.reach) / math.sqrt(3.0)
+        duration = upper.place - lower.place
+        moved = upper.places - lower.places - duration
+        moved = moved[np.isfinite(moved)]
         if len(moved) < LEAST_DEFINED * len(self.errors):
-            return Instant(last.place - first.place, math.inf)
-        noise = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
-        return Instant(last.place - first.place, math.hypot(noise, wide), of_rows=wide)
+            return Instant(duration, math.inf)
+        noise = float(np.sqrt(np.mean(np.square(moved)))) if len(moved) else 0.0
+        of_crests = math.hypot(lower.of_crests, upper.of_crests)
+        return Instant(duration, math.hypot(noise, wide, of_crests), of_rows=wide)
 
     def last_outside(self, level: float, band: float, since: int = 0) -> Instant | None:
         """Return where the curve enters `level` +- `band` finally, 0 if it never leaves; None if it ends

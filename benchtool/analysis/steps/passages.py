@@ -7,7 +7,7 @@ as noise leaves it where it is.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,16 +56,19 @@ class Instant:
 @dataclass(frozen=True)
 class Passage:
     """Place at which a curve passes a level, half the width of the interval that the samples allow, and the
-    `places` of the draws, shape (draws,), nan where one does not pass it."""
+    `places` of the draws, shape (draws,), nan where one does not pass it; `of_crests` is what the noise that
+    the curve has already adds to their scatter."""
 
     place: float
     reach: float
     places: Floats
+    of_crests: float = 0.0
 
     @property
     def instant(self) -> Instant:
         """The place, with what noise and the samples leave open."""
-        return self.moved(self.place, self.places)
+        found = self.moved(self.place, self.places)
+        return replace(found, standard=math.hypot(found.standard, self.of_crests))
 
     def moved(self, place: float, drawn: Floats) -> Instant:
         """Return another place that follows from this one, and `drawn`, shape (draws,), from its draws."""

@@ -1,0 +1,107 @@
+"""Whether a lobe of a curve that rings passes a level, which noise alone may decide.
+
+Where the last lobe is about as high as a band is wide, the curve enters that finally before the lobe or
+behind it; where a crest on the way up is about as high as a level, the curve first passes that at the crest
+or behind it. The curve has noise already, and the greatest of a lobe is raised by it: what is drawn about the
+curve has the noise twice, so that a lobe which noise has lifted over the level is hardly ever drawn below it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.steps.passages import Crossing, first_passage, last_passage
+
+Floats = NDArray[np.float64]
+
+_OF_BOTH = math.sqrt(2.0)  # times the noise of the curve: that of a draw, too
+_SURE = 2.0  # standard deviations by which the curve is further below the level between two lobes
+
+
+def rms_beyond_lobes(
+    away: Floats, errors: Floats, standard: Floats, band: float, place: float, drawn: Floats
+) -> float:
+    """Return the rms distance from a `place` of final entries into the band that are in other lobes, over all
+    draws, by how much larger it is for the noise of both the curve and a draw than for that of a draw.
+
+    The curve is so far `away`, shape (n,), from the level amid the band; `errors`, shape (draws, n), of this
+    `standard` deviation, are what noise makes of it, and `drawn`, shape (draws,), where each of them makes it
+    enter, nan where it does not. The band is wider by what the noise of both lifts the greatest of the last
+    lobe.
+    """
+    last = _row_before(place, len(away))
+    apart = _beside_other_lobes(np.abs(away) - band, standard, last)
+    if not np.any(apart):
+        return 0.0
+    beyond_zero = np.flatnonzero(away[:last] * away[last] < 0.0)
+    lobe = slice(int(beyond_zero[-1]) + 1 if len(beyond_zero) else 0, last + 1)
+    sign = 1.0 if away[last] > 0.0 else -1.0
+    lifted = band + _lifted(sign * away[lobe], sign * errors[:, lobe])
+    return _of_both(lambda each: last_passage(each, 0.0, lifted), away, errors, apart, place, drawn)
+
+
+def rms_beyond_crests(
+    above: Floats, course: Floats, errors: Floats, standard: Floats, place: float, drawn: Floats
+) -> float:
+    """Return likewise that of first passages behind the crest at which the curve passes a level at a `place`.
+
+    The curve is so far `above` that, shape (n,), draws begin from its `course`, and `drawn` are where they
+    first pass it. A crest before the place, which the curve does not pass, is as often passed as draws are.
+    """
+    passed = np.flatnonzero(above[_row_before(place, len(above)) :] >= 0.0)
+    if not len(passed):
+        return 0.0
+    first = _row_before(place, len(above)) + int(passed[0])
+    apart = _beside_other_lobes(above, standard, first)
+    apart[:first] = False
+    behind = np.flatnonzero(apart)
+    if not len(behind):
+        return 0.0
+    crest = slice(first, int(behind[0]))
+    lifted = _lifted(above[crest], errors[:, crest])
+    return _of_both(
+        lambda each: first_passage(each - lifted, _SURE * standard), course, errors, apart, place, drawn
+    )
+
+
+def _of_both(
+    passed: Callable[[Floats], Crossing | None],
+    course: Floats,
+    errors: Floats,
+    apart: NDArray[np.bool_],
+    place: float,
+    drawn: Floats,
+) -> float:
+    """Return the rms distance from a place of passages that are apart by lobes, for the noise of both curve
+    and draw, beyond that for the noise of a draw."""
+    found = (passed(each) for each in course + _OF_BOTH * errors)
+    of_both = np.array([math.nan if each is None else each.place for each in found])
+    return math.sqrt(max(0.0, _square(of_both, place, apart) - _square(drawn, place, apart)))
+
+
+def _square(drawn: Floats, place: float, apart: NDArray[np.bool_]) -> float:
+    """Return the mean square distance of passages, where they are apart by lobes."""
+    places = np.clip(np.where(np.isnan(drawn), place, drawn), 0.0, len(apart) - 1.0)
+    before, behind = (each(places).astype(np.int64) for each in (np.floor, np.ceil))
+    return float(np.mean(np.where(apart[before] | apart[behind], (places - place) ** 2, 0.0)))
+
+
+def _beside_other_lobes(above: Floats, standard: Floats, at: int) -> NDArray[np.bool_]:
+    """Return which rows of a curve, so far above a level, are behind or before a trough below it, seen from
+    a row."""
+    troughs = np.concatenate([np.minimum.accumulate(above[at::-1])[:0:-1], np.minimum.accumulate(above[at:])])
+    return np.asarray(np.minimum(above, 0.0) - troughs > _SURE * standard)
+
+
+def _lifted(lobe: Floats, errors: Floats) -> float:
+    """Return by how much the noise of both curve and draw raises the greatest of a lobe, shape (n,)."""
+    raised = float(np.mean(np.max(lobe + errors, axis=1)) - np.max(lobe))
+    return (1.0 + _OF_BOTH) * max(0.0, raised)
+
+
+def _row_before(place: float, count: int) -> int:
+    return min(max(math.ceil(place) - 1, 0), count - 1)
