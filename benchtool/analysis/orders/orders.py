@@ -165,11 +165,11 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
     if step_rad > LARGEST_WOBBLE_RAD:  # then the steps of the angle are not a wobble
         try:
-            smooth, source = _by_time(block, channel, angle, None, step_rad)
+            smooth, _ = _by_time(block, channel, angle, None, step_rad)  # steps hide whose a wobble is
         except AnalysisError:
             pass
         else:
-            return smooth if source.is_rotor else source.with_what_is_told(smooth)
+            return smooth
     ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
     basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
     wobble, source = _wobble_of(coverage, ticks.astype(np.float64)), WobbleSource()

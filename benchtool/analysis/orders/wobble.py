@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 _TURN = 2.0 * np.pi
 _SECTORS = 72
 _ROWS_PER_SECTOR = 4.0
+_COUNTS_PER_SECTOR, _APART_RAD = 2.0, 1e-6  # of an angle; nearer ones are one, but for rounding
 _HIGHEST = 3  # sectors in a period of the highest order told
 
 
@@ -64,21 +65,26 @@ def repeated_wobble_rad(angle_rad: Floats, deviation_rad: Floats) -> Floats:
     """Return the peak amplitudes of the orders of a deviation that are the same in every revolution.
 
     Both have shape (n,), the angle without wraps. What the scatter between revolutions explains, as of a
-    speed that swings, is taken off; of fewer than two whole revolutions there are none.
+    speed that swings, is taken off; of fewer than two whole revolutions there are none. An angle in few counts
+    is in no sector between them.
     """
     turn = np.floor((angle_rad - angle_rad.min()) / _TURN).astype(np.int64)
-    sectors = int(min(_SECTORS, len(angle_rad) / (turn.max() + 1) / _ROWS_PER_SECTOR))
+    within = np.mod(angle_rad, _TURN)
+    counts = len(np.unique(np.round(within / _APART_RAD)))
+    sectors = int(
+        min(_SECTORS, len(angle_rad) / (turn.max() + 1) / _ROWS_PER_SECTOR, counts / _COUNTS_PER_SECTOR)
+    )
     if sectors < _HIGHEST:
         return np.zeros(0)
-    place = np.mod(angle_rad, _TURN) * (sectors / _TURN)
+    place = within * (sectors / _TURN)
     cell = turn * sectors + np.floor(place).astype(np.int64) % sectors
     length = int(turn.max() + 1) * sectors
-    counts = np.bincount(cell, minlength=length)
+    rows = np.bincount(cell, minlength=length)
     sums = np.bincount(cell, weights=deviation_rad, minlength=length)
-    whole = np.all(counts.reshape(-1, sectors) > 0, axis=1)
+    whole = np.all(rows.reshape(-1, sectors) > 0, axis=1)
     if np.count_nonzero(whole) < 2:
         return np.zeros(0)
-    means = sums.reshape(-1, sectors)[whole] / counts.reshape(-1, sectors)[whole]
+    means = sums.reshape(-1, sectors)[whole] / rows.reshape(-1, sectors)[whole]
     order = np.arange(1, sectors // _HIGHEST + 1)
     lines = 2.0 / sectors * np.fft.rfft(means, axis=1)[:, order] / np.sinc(order / sectors)
     mean2 = np.abs(lines.mean(axis=0)) ** 2

@@ -10,6 +10,7 @@ import pytest
 from benchtool.analysis.orders.angle import TURN, angle_coverage
 from benchtool.analysis.orders.order_spectrum import fitted_orders, resampled_orders
 from benchtool.analysis.orders.orders import order_analysis
+from benchtool.analysis.orders.wobble import repeated_wobble_rad
 from benchtool.errors import AnalysisError
 from tests.at_length import at_length
 from tests.unit.analysis.orders.cogging_torque import COGGING, block_of, steady, torque_at
@@ -114,3 +115,31 @@ def test_a_wobble_that_is_partly_the_rotor_s_leaves_its_sidebands_in_the_uncerta
         spectrum = order_analysis(block_of(np.mod(read, TURN), values), "torque").spectrum
         relative += [spectrum.amplitude[k - 1] / spectrum.uncertainty(k).standard for k in (19, 21, 49, 51)]
     assert np.median(relative) < 3.0
+
+
+@pytest.mark.parametrize("counts", [60, 100, 4096])
+def test_a_wobble_shows_in_an_angle_of_few_counts(counts: int) -> None:
+    track = TURN * 25.3 * np.arange(10_000) / 10_000
+    moved = track + 0.01 * np.sin(track) + 0.004 * np.sin(3.0 * track)
+    angle = np.floor(moved * counts / TURN) * TURN / counts
+    found = repeated_wobble_rad(angle, angle - track)
+    assert found[[0, 2]] == pytest.approx([0.01, 0.004], rel=0.15)
+    assert found[1] < 1e-3
+
+
+def test_a_rotor_that_wobbles_within_the_counts_of_its_angle_has_that_in_the_uncertainty() -> None:
+    errors = []
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        track = TURN * 12.65 * np.arange(10_000) / 5_000.0 + random.uniform(0.0, TURN)
+        theta_m = track + 0.01 * np.sin(track + 0.2) + 0.001 * np.sin(2.0 * track + 1.0)
+        torque = 3.0 + 0.15 * np.cos(theta_m) + 0.1 * np.cos(2.0 * theta_m + 1.0)
+        torque += random.normal(0.0, 0.02, len(torque))
+        counted = np.floor(theta_m * 60 / TURN) * TURN / 60
+        found = order_analysis(block_of(np.mod(counted, TURN), torque), "torque", orders=[1, 2])
+        for each in found.measurements:
+            truth = {"torque_order_1": 0.15, "torque_order_2": 0.1}.get(each.name)
+            if truth is not None:
+                assert each.uncertainty is not None
+                errors.append((each.value - truth) / each.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.2
