@@ -65,8 +65,8 @@ def repeated_wobble_rad(angle_rad: Floats, deviation_rad: Floats) -> Floats:
     """Return the peak amplitudes of the orders of a deviation that are the same in every revolution.
 
     Both have shape (n,), the angle without wraps. What the scatter between revolutions explains, as of a
-    speed that swings, is taken off; of fewer than two whole revolutions there are none. An angle in few counts
-    is in no sector between them.
+    speed that swings, is taken off; of fewer than two whole revolutions there are none. An angle in few
+    counts is in no sector between them.
     """
     turn = np.floor((angle_rad - angle_rad.min()) / _TURN).astype(np.int64)
     within = np.mod(angle_rad, _TURN)

@@ -33,7 +33,7 @@ def departure(step: Step, curve: NoisyCurve) -> Instant | None:
     curve, least = curve.beyond(float(np.mean(step.y_before))), _LEAST * step.height
     clear = np.maximum(least, SIGMAS * curve.standard)
     # a level at rest is anywhere within half a step of a converter that its noise does not hide
-    of_level = at_rest_error(step.y_before, step.y)
+    of_level = at_rest_error(step.y_before, step.level_step)
     is_beyond = curve.values >= clear
     if not np.any(is_beyond):
         return None

@@ -60,10 +60,9 @@ _HIDES_ALL = 0.41  # of a step: noise that is read as half of one on average
 _SURE = 2.0  # standard deviations beyond a level that noise does not reach
 
 
-def at_rest_error(at_rest: Floats, samples: Floats) -> float:
-    """Return the standard uncertainty that the steps of a converter, which `samples` show, leave in the mean
-    of those `at_rest`; 0 where noise hides them, or there is no converter."""
-    step = converter_step(samples)
+def at_rest_error(at_rest: Floats, step: float) -> float:
+    """Return the standard uncertainty that a converter's `step` leaves in the mean of samples `at_rest`; 0
+    where noise hides it, or there is no converter."""
     return left_of_steps(noise_of_readings(at_rest, step), step)
 
 
@@ -96,16 +95,22 @@ class NoisyCurve:
 
     @classmethod
     def through(
-        cls, samples: Floats, noise: Noise, before: int = 0, of_plateau: Noise | None = None
+        cls,
+        samples: Floats,
+        noise: Noise,
+        before: int = 0,
+        of_plateau: Noise | None = None,
+        step: float | None = None,
     ) -> NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
-        were so many `before`, with the `noise` at rest, which need not be that `of_plateau`.
+        were so many `before`, with the `noise` at rest, which need not be that `of_plateau`. The `step` of
+        their converter is, where it is not stated, that which they show.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it, or within what the noise leaves of that. Where the times of the samples
         scatter, each is off by that times the slope of the curve.
         """
-        count, step = len(samples), converter_step(samples)
+        count, step = len(samples), converter_step(samples) if step is None else step
         at_rest = noise
         noise, levels = noise_and_levels(samples, noise, of_plateau)
         of_windows = np.maximum(levels, _OF_WINDOWS)

@@ -55,7 +55,8 @@ _ROUNDING = 1e-7  # of the level: what is less is rounding of 32-bit numbers, an
 class Noise:
     """Stationary noise of equally spaced samples: its autocovariance at lags 0, 1, ..., beyond them 0.
 
-    `offset` is the standard deviation of noise too slow to show in so few samples, the same in all.
+    `offset` is the standard deviation of noise too slow to show in so few samples, the same in all. Noise
+    that is a line wherever the signal stays, at another frequency at each level, is at most of rms `as_line`.
     """
 
     FEWEST: ClassVar = 8
@@ -64,6 +65,7 @@ class Noise:
     autocovariance: Floats
     offset: float = 0.0
     innovations: Floats | None = None
+    as_line: float = 0.0
 
     @classmethod
     def of(cls, *pieces: Floats) -> Noise:
@@ -317,7 +319,8 @@ def fitted_smoothers(
 ) -> tuple[Smoother, Smoother]:
     """Return smoothers for the samples since an event, shape (n,): the shortened one and that of least risk.
 
-    The noise of each sample is that at rest times its level.
+    The noise of each sample is that at rest times its level. Of a line at whatever frequency windows leave no
+    less than of white noise of its rms.
 
     The difference of the two is as large as the bias that may remain in the first.
     """
@@ -325,6 +328,8 @@ def fitted_smoothers(
     none = Smoother(np.zeros(count, dtype=np.int64))
     if noise.rms == 0.0:
         return none, none
+    if noise.as_line:
+        noise = Noise(np.array([noise.as_line**2]))
     smoothed = _Smoothed(samples, noise, levels * np.ones(count))
     best, least = none, smoothed.risk(none)
     most = smoothed.longest()

@@ -159,7 +159,7 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     """Return the smooth curve, with the noise of all samples at rest where these are many more than the last;
     and the samples long after the signal has settled, of what a drift keeps from it the later half."""
     before = len(step.y_before)
-    curve = NoisyCurve.through(step.y_clear, step.y_noise, before, step.of_plateau)
+    curve = NoisyCurve.through(step.y_clear, step.y_noise, before, step.of_plateau, step.level_step)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band, step.fall)
     if settled is None or not math.isfinite(settled.standard):
@@ -172,14 +172,14 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
         at_rest = at_rest - course + course[-1]
     if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve, at_rest
-    noise = Noise.of(step.y_before, at_rest)
+    noise = step.noise_of(step.y_before, at_rest)
     offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
     if offset and len(at_rest) >= _FEWEST_SAMPLES:
         # slow noise is as far off after the step as it was before, and wanders as it does at rest
         away = float(np.mean(step.y_before)) - step.before
         wander = float(np.std(means_of_parts(at_rest)))
         noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
-    return NoisyCurve.through(step.y_clear, noise, before, step.of_plateau), at_rest
+    return NoisyCurve.through(step.y_clear, noise, before, step.of_plateau, step.level_step), at_rest
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:
@@ -278,7 +278,7 @@ def _excursions(
         of_rows, wider = (math.hypot(each, _OF_BLUNTED * later) for each in (peak.of_rows, peak.standard))
         peak = Instant(peak.place - _BLUNTED * later, wider, of_rows=of_rows)
         top = int(np.argmax(curve.values))
-        corner = corner_near(step.y_clear, step.plateau_noise, top, step.converter_step)
+        corner = corner_near(step.y_clear, step.plateau_noise, top, step.level_step)
         if corner is not None:
             height = corner.height, corner.height_error
             of_both = math.hypot(of_curve, of_windows)

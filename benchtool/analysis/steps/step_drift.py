@@ -108,7 +108,7 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
     slope = before.value
     moved = slope * len(step.y)
     # the level of a converter is anywhere within a step at both ends
-    hidden = 2.0 * at_rest_error(step.y_before, step.y) / len(step.y_before)
+    hidden = 2.0 * at_rest_error(step.y_before, step.level_step) / len(step.y_before)
     with_steps = Slope(slope, math.hypot(before.standard, hidden))
     if before.is_certain and abs(moved) > _TOLERATED * step.height:
         rate, after_s = step.sign * slope / step.period_s, len(step.y) * step.period_s

@@ -10,6 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.quantisation.counted_speed import (
+    covariance_of_counts,
+    is_counted,
+    most_of_counts,
+)
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
@@ -55,16 +60,17 @@ class Step:
     reference, the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties
     that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
     there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their
-    neighbours, `y_before` the same up to the step, `r_before` the reference until then, and `y_noise` the
-    noise at rest, `of_plateau` that on the plateau if it is another. `shown_late` is for how long after a row
-    it is shown at most, in rows.
+    neighbours, `y_before` the same up to the step, `r_before` the reference until then, and `of_plateau` the
+    noise on the plateau if it is another than at rest. A speed `is_counted` where each sample is how far a
+    counter has come since the one before. `shown_late` is for how long after a row it is shown at most, in
+    rows.
     """
 
     y: Floats
     y_clear: Floats
     clicks: int
     y_before: Floats
-    y_noise: Noise
+    is_counted: bool
     of_plateau: Noise | None
     r: Floats
     r_before: Floats
@@ -101,6 +107,26 @@ class Step:
     def converter_step(self) -> float:
         """Step of a converter in the signal; 0 without one."""
         return converter_step(self.y)
+
+    @property
+    def level_step(self) -> float:
+        """Step of the levels that the curve is read on, sample by sample: no counts, of which the next sample
+        has what one lacks."""
+        return 0.0 if self.is_counted else self.converter_step
+
+    @cached_property
+    def y_noise(self) -> Noise:
+        """Noise at rest, before the step and in the last rows."""
+        return self.noise_of(self.y_before[: self.begin], self.y_clear[-self.tail :])
+
+    def noise_of(self, *pieces: Floats) -> Noise:
+        """Return the noise of the signal by samples at rest. That of counts is another at each speed: on the
+        way to them it is that of all."""
+        found, step = Noise.of(*pieces), self.converter_step
+        most = most_of_counts(step)
+        if not self.is_counted or found.rms > most:
+            return found
+        return Noise(covariance_of_counts(step), as_line=most)
 
     @property
     def plateau_noise(self) -> Noise:
@@ -190,7 +216,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         y_clear=clear[begin:],
         clicks=clicks,
         y_before=clear[: max(1, begin)],
-        y_noise=Noise.of(clear[:begin], clear[-tail:]),
+        is_counted=is_counted((clear[:begin], clear[-tail:]), converter_step(y)),
         of_plateau=_noise_of_plateau(clear, r, begin, greatest, tail, y),
         r=r[begin:],
         r_before=r[: max(1, begin)],
