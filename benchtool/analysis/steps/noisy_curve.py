@@ -104,13 +104,14 @@ class NoisyCurve:
     ) -> NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
         were so many `before`, with the `noise` at rest, which need not be that `of_plateau`. The `step` of
-        their converter is, where it is not stated, that which they show.
+        levels that each is read on is, where it is not stated, that which they show.
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it, or within what the noise leaves of that. Where the times of the samples
         scatter, each is off by that times the slope of the curve.
         """
-        count, step = len(samples), converter_step(samples) if step is None else step
+        count, shown = len(samples), converter_step(samples)
+        step = shown if step is None else step
         at_rest = noise
         noise, levels = noise_and_levels(samples, noise, of_plateau)
         of_windows = np.maximum(levels, _OF_WINDOWS)
@@ -120,7 +121,7 @@ class NoisyCurve:
         of_steps: float | Floats = 0.0
         if noise.rms < HIDES * step:
             of_steps = _left_of_steps(noise.rms, step) * within_levels(random, samples, step, draws)
-        scatter = scatter_of_times(samples, noise, step)
+        scatter = scatter_of_times(samples, noise, shown)
         if noise.rms == 0.0:
             of_times = _of_times(random, samples, scatter, draws)
             if isinstance(of_steps, float):
