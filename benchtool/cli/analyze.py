@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
-import re
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -17,7 +15,8 @@ from benchtool.cli import options, selection as chosen
 from benchtool.cli.conditions import conditions
 from benchtool.cli.output import Output, warn_unsealed
 from benchtool.cli.results import show_run
-from benchtool.cli.tables import columns_of, keep_table, require_time, show_table, stated_sensors
+from benchtool.cli.table_options import TableOptions
+from benchtool.cli.tables import keep_table, show_table
 from benchtool.errors import UsageError
 from benchtool.recording import Bundle, Conditions, require_empty
 from benchtool.results import (
@@ -35,7 +34,7 @@ from benchtool.results import (
     recorded_runs,
     stored_remarks,
 )
-from benchtool.tables import PHASES, TableQuestion, analyze_table, quantity
+from benchtool.tables import analyze_table, quantity
 
 
 def _column(what: str) -> Any:
@@ -171,95 +170,40 @@ def analyze(
     """
     if list_:
         return _list(run, csv, as_json=as_json)
+    table = TableOptions(
+        time=time,
+        rate=rate,
+        currents=tuple(current or ()),
+        torque=torque,
+        angle=angle,
+        speed=speed,
+        ac=ac,
+        pole_pairs=pole_pairs,
+        slots=slots,
+        rated_torque=rated_torque,
+        bench=bench,
+        decimal=decimal,
+        recorded_on=None if recorded_on is None else recorded_on.date(),
+    )
+    circumstances = conditions(operator, serial_number, temperature, instrument or ())
+    is_kept = out is not None or report
     if csv is None:
-        given = (
-            time,
-            rate,
-            current,
-            torque,
-            angle,
-            speed,
-            pole_pairs,
-            slots,
-            rated_torque,
-            bench,
-            decimal,
-            recorded_on,
-            out,
-            temperature,
-            instrument,
-        )
-        stated = (report, ac, note, operator, serial_number)
-        of_table = any(stated) or any(each is not None for each in given)
+        of_table = table != TableOptions() or is_kept or bool(note) or circumstances != Conditions()
         return _analyze_run(run, chosen.selection(stream, from_, to, analysis), as_json, of_table)
     if stream:
         raise UsageError("--csv with --stream: that chooses of a recording, leave it out")
-
     if run is not None:
         raise UsageError(f"both {run} and --csv {csv}: give the folder of a run or a table, one of the two")
-    if decimal not in (None, ".", ","):
-        raise UsageError(f"--decimal is '{decimal}', one of . and , is expected")
-    omega_m_rad_s = None if speed is None else quantity(speed, "rad/s")
-    if omega_m_rad_s is not None:
-        speed = None
-    require_time(csv, time, rate, decimal or "")
-    if current is None and torque is None and speed is None and not analysis:
-        missing = "--current, --torque and --speed"
-        raise UsageError(
-            f"--csv without {missing}: name the column of a current, torque or speed"
-            f"{columns_of(csv, decimal or '')}"
-        )
-    if rated_torque is not None and not (math.isfinite(rated_torque) and rated_torque > 0.0):
-        raise UsageError(f"--rated-torque is {rated_torque:g}, a torque above zero in Nm is expected")
-    turning = None if angle is None and omega_m_rad_s is None else "--angle"
-    # what begins like a number may be meant as a constant speed, and is told how that is written
-    has_speed = speed is not None and (current is not None or bool(re.match(r"[+-]?\.?[0-9]", speed)))
-    by_pairs = "--angle, a stated speed (--speed 1500rpm), or a current beside the speed"
-    for option, without in (
-        ("--pole-pairs", pole_pairs is not None and turning is None and not has_speed and by_pairs),
-        ("--slots", slots is not None and turning is None and "--angle"),
-        ("--ac", ac and current is None and "--current"),
-        ("--rated-torque", rated_torque is not None and torque is None and "--torque"),
-    ):
-        if without:
-            raise UsageError(f"{option} without {without}: name that column too, or leave {option} out")
-    if from_ is not None and to is not None and from_ > to:
-        raise UsageError(f"--from {from_:g} is after --to {to:g}: give the earlier first")
-    circumstances = conditions(operator, serial_number, temperature, instrument or ())
-    if (note or circumstances != Conditions()) and out is None and not report:
+    question = table.question(csv, from_, to, chosen.asked_of_table(analysis))
+    if (note or circumstances != Conditions()) and not is_kept:
         raise UsageError("a note or conditions without --out or --report: nothing would keep them, add one")
-    currents = current or []
-    if len(currents) not in (0, 1, len(PHASES)):
-        raise UsageError(
-            f"--current is given {len(currents)} times: name one current, or those of three phases"
-        )
-    phases = dict(zip(PHASES, currents, strict=False))
-    columns = phases | {"torque": torque, "angle": angle, "speed": speed}
     if out is not None:
         require_empty(out)  # before the table is measured
-    answer = analyze_table(
-        TableQuestion(
-            file=csv,
-            time=time,
-            columns={what: name for what, name in columns.items() if name is not None},
-            pole_pairs=pole_pairs,
-            slots=slots,
-            is_of_phase=ac or len(currents) == len(PHASES),
-            torque_rated_Nm=rated_torque,
-            from_s=-math.inf if from_ is None else from_,
-            to_s=math.inf if to is None else to,
-            rate_Hz=rate,
-            omega_m_rad_s=None if angle is not None else omega_m_rad_s,
-            **stated_sensors(bench),
-            recorded_on=None if recorded_on is None else recorded_on.date(),
-            decimal=decimal or "",
-            analyses=chosen.asked_of_table(analysis),
-        )
-    )
+    answer = analyze_table(question)
     output = Output(as_json=as_json)
     show_table(output, answer)
     document = {"verdict": "none", "cases": {"csv": answer.to_json()}}
-    if out is not None or report:
+    if is_kept:
         document |= keep_table(output, answer, out, with_report=report, note=note, conditions=circumstances)
     output.document(document)
     return 0
