@@ -64,7 +64,7 @@ class Comparison(Named["Delta"]):
     def _rows(self) -> Iterator[tuple[str, ...]]:
         for each in self._deltas.values():
             values = each.reference_text, each.value_text, each.text
-            yield (each.name, *values, each.in_percent(" %"), each.unit)
+            yield (each.name, *values, each.marked_percent(" %"), each.unit)
 
     def _repr_html_(self) -> str:
         titles = ("measurement", f">{self.reference}", f">{self.other}", ">difference", ">", "unit")

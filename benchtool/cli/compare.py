@@ -297,4 +297,4 @@ def _percent(delta: Delta | None) -> Text:
     if delta is None:
         return Text(NOTHING)
     judged, style = {"better": ("✓", "green"), "worse": ("✗", "red"), "": ("", "")}[delta.judgement]
-    return Text(f"{delta.in_percent()}{judged}", style=style)
+    return Text(f"{delta.marked_percent()}{judged}", style=style)

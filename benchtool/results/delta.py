@@ -69,18 +69,23 @@ class Delta:
         if self.below is not None:
             return f"< {signed(self.below, 2)}"
         text = with_expanded(self.absolute, self.uncertainty)
-        if "±" not in text:
-            return signed(self.absolute)
-        rounded, _, _ = text.partition("±")
-        if self.absolute <= 0.0 or not re.search("[1-9]", rounded):
-            return text
-        return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"
+        return _with_sign(text, self.absolute) if "±" in text else signed(self.absolute)
 
-    def in_percent(self, unit: str = "") -> str:
+    @property
+    def percent_text(self) -> str:
+        """It in percent, with its sign and to the place of its uncertainty; empty where it is not."""
+        if not math.isfinite(self.percent):
+            return ""
+        if self.expanded is None or not math.isfinite(self.expanded):
+            return signed(self.percent, 2)
+        U = 100.0 * self.expanded / abs(self.reference)
+        return _with_sign(placed(self.percent, U), self.percent)
+
+    def marked_percent(self, unit: str = "") -> str:
         """Return it in percent, with that behind it, and whether it exceeds its uncertainty (`*`) or does not
         (`~`); a dash where neither is known."""
         mark = {True: "*", False: "~", None: ""}[self.exceeds]
-        percent = f"{signed(self.percent, 2)}{unit}" if math.isfinite(self.percent) else ""
+        percent = f"{self.percent_text}{unit}" if self.percent_text else ""
         return f"{percent}{mark}" or NOTHING
 
     @property
@@ -230,6 +235,14 @@ def _judge(difference: float, exceeds: bool | None, limits: Sequence[Limit]) -> 
         return ""
     gain = signs.pop() * difference
     return "better" if gain > 0 else "worse" if gain < 0 else ""
+
+
+def _with_sign(text: str, value: float) -> str:
+    """Return a number as it is written with a plus where it is above zero, and not rounded to that."""
+    rounded, _, _ = text.partition("±")
+    if value <= 0.0 or not re.search("[1-9]", rounded.partition("×")[0]):
+        return text
+    return f"(+{text[1:]}" if text.startswith("(") else f"+{text}"
 
 
 def _finite(value: float) -> float | None:

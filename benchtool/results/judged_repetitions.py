@@ -142,9 +142,15 @@ def bounds_of(found: Sequence[Measurement], count: int) -> list[float] | None:
 
 
 def without_value(found: Sequence[Measurement], count: int) -> str:
-    """Return that some of `count` repetitions have no value; empty if all have one."""
+    """Return that some of `count` repetitions have no value, and why; empty if all have one."""
     lacking = count - sum(math.isfinite(each.value) for each in found)
-    return f"{lacking} of {count} repetitions have no value" if lacking else ""
+    why = reasons_of(found)
+    return f"{lacking} of {count} repetitions have no value{f': {why}' if why else ''}" if lacking else ""
+
+
+def reasons_of(found: Sequence[Measurement]) -> str:
+    """Return why repetitions have no value, each reason once; empty where all have one."""
+    return "; ".join(dict.fromkeys(each.reason for each in found if each.reason))
 
 
 def _unit_of(name: str) -> str:

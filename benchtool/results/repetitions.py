@@ -28,6 +28,7 @@ from benchtool.results.judged_repetitions import (
     JudgedTogether,
     bounds_of,
     limits_together,
+    reasons_of,
     without_value,
     worst_of,
 )
@@ -370,7 +371,7 @@ def _mean_of(name: str, found: Sequence[Measurement], count: int) -> Repeated:
         correction=_mean_correction(found),
         basis=found[0].basis if found else Basis(),
         count=count,
-        lacking="; ".join(dict.fromkeys(each.reason for each in found if each.reason)),
+        lacking=reasons_of(found),
         below=None if bounds is None else float(np.mean(bounds)),
     )
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 
-from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw, signed
+from benchtool.analysis import COVERAGE, NOTHING, Measurement, raw
 from benchtool.block import Block
 from benchtool.recording import Bundle, Manifest, read_manifest
 from benchtool.report.assembly.comparison_front import comparison_front
@@ -192,7 +191,7 @@ def delta_row(delta: Delta) -> tuple[str | Cell, ...]:
     """Name, difference with its uncertainty, unit, percent, whether it exceeds that, better or worse."""
     exceeds = {True: "yes", False: "no", None: NOTHING}[delta.exceeds]
     judged = Cell(delta.judgement, delta.judgement) if delta.judgement else Cell("")
-    percent = f"{signed(delta.percent)} %" if math.isfinite(delta.percent) else NOTHING
+    percent = f"{delta.percent_text} %" if delta.percent_text else NOTHING
     return delta.name, delta.text, delta.unit, percent, exceeds, judged
 
 

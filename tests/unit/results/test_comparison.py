@@ -142,12 +142,13 @@ def test_the_uncertainties_of_both_are_combined() -> None:
     assert delta.standard == pytest.approx(0.05)
     assert delta.to_json()["standard_uncertainty"] == delta.standard
     assert delta.text == "+1.000 ± 0.098"
+    assert (delta.percent_text, delta.marked_percent(" %")) == ("+100.0", "+100.0 %*")
     (delta,) = deltas(result(x=(2.0e-7, 3e-9)), result(x=(1.0e-7, 4e-9)))
     assert delta.text == "(−1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0e-7, 3e-9)), result(x=(2.0e-7, 4e-9)))
     assert delta.text == "(+1.000 ± 0.098) × 10⁻⁷"
     (delta,) = deltas(result(x=(1.0, None)), result(x=(2.5, 0.04)))
-    assert delta.text == "+1.50"
+    assert (delta.text, delta.marked_percent()) == ("+1.50", "+150")
 
 
 def test_k_comes_from_the_degrees_of_freedom_of_both() -> None:
@@ -355,7 +356,7 @@ def test_a_difference_is_no_percentage_of_what_may_be_zero(
     assert math.isnan(delta.percent) is bool(reason)
     assert delta.absolute == pytest.approx(9.9 - reference[0])
     if reason:
-        assert delta.in_percent() == ("–" if reference[1] is None else "*")
+        assert delta.marked_percent() == ("–" if reference[1] is None else "*")
         assert Comparison.of("", {"A": one, "B": two}).without_percent == {reason: ("x",)}
 
 
