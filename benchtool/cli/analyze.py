@@ -18,6 +18,7 @@ from benchtool.cli.results import show_run
 from benchtool.cli.table_options import TableOptions
 from benchtool.cli.tables import keep_table, show_table
 from benchtool.errors import UsageError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.recording import Bundle, Conditions, require_empty
 from benchtool.results import (
     Assessment,
@@ -238,9 +239,8 @@ def _analyze_run(run: Path | None, selection: Selection, as_json: bool, has_csv_
     if run is None:
         raise UsageError("neither RUN nor --csv FILE: give the folder of a run, or a table of another tool")
     if run.is_file():
-        raise UsageError(
-            f"{run} is a file, RUN is the folder of a run: a table of another tool is --csv {run}"
-        )
+        why = f"{run} is a file, RUN is the folder of a run: a table of another tool is --csv {run}"
+        raise UsageError(mistaken(run, FileKind.RUN) or why)
     if has_csv_options:
         raise UsageError(
             f"{run} is measured by the plan or the profile that it carries, columns and motor go with --csv: "

@@ -13,6 +13,7 @@ from pydantic import Field, ValidationError, field_validator
 from benchtool import __version__
 from benchtool.document import Array, Section, defaults
 from benchtool.errors import NoSuchRecording, RecordingError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.recording.seal import SEAL, FileHash, read_sealed_json, write_json
 
 SCHEMA_VERSION = 3
@@ -151,9 +152,8 @@ def read_manifest(directory: Path) -> tuple[Manifest, bool]:
     if not directory.exists():
         raise NoSuchRecording(f"{directory} does not exist: give the folder of a run")
     if not path.is_file():
-        raise NoSuchRecording(
-            f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
-        )
+        why = f"{directory} is not a run bundle: it has no {MANIFEST}; give the folder of a run"
+        raise NoSuchRecording(mistaken(directory, FileKind.RUN) or why)
     document, fits = read_sealed_json(path)
     document.pop(SEAL, None)
     version = document.get("schema_version")

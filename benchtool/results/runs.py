@@ -19,6 +19,7 @@ from benchtool.errors import (
     RecordingError,
     UsageError,
 )
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.plan import Verdict, cases, recorded_plan, worst
 from benchtool.recording import Bundle
 from benchtool.results.assessment import Assessment
@@ -155,7 +156,8 @@ def recorded_bundles(folder: Path) -> tuple[Bundle, ...]:
         RecordingError: one cannot be read.
     """
     if folder.exists() and not folder.is_dir():
-        raise NoSuchRecording(f"{folder} is a file: give the folder of a run")
+        why = mistaken(folder, FileKind.RUN)
+        raise NoSuchRecording(why or f"{folder} is a file: give the folder of a run")
     if not folder.exists():
         raise NoSuchRecording(f"{folder} does not exist: give the folder of a run")
     if (folder / _MANIFEST).is_file():

@@ -10,7 +10,8 @@ from typing import Any, Final
 
 from benchtool import __version__
 from benchtool.analysis import measurements_to_json, tables_to_json
-from benchtool.errors import AnalysisError, RecordingError
+from benchtool.errors import AnalysisError, NoSuchRecording, RecordingError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.recording import HASHES, MANIFEST, Bundle, bundles_in, verify
 from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
@@ -61,7 +62,10 @@ def verify_run(place: Path) -> Verification:
     folder = place
     if place.is_file():
         above = list(place.parents)[:2]
-        folder = next((each for each in above if any((each / name).is_file() for name in _KEPT)), above[0])
+        kept = [each for each in above if any((each / name).is_file() for name in _KEPT)]
+        if not kept and (why := mistaken(place, FileKind.RUN)):
+            raise NoSuchRecording(why)
+        folder = kept[0] if kept else above[0]
     integrity = verify(folder)
     damaged = dict(integrity.damaged)
     if folder != place and (name := place.relative_to(folder).as_posix()) in integrity.unlisted:

@@ -6,8 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from benchtool.acceptance.waivers import load_waivers
+from benchtool.cli import app
 from benchtool.drive.parameters.file import read_parameter_file
 from benchtool.errors import UsageError
 from benchtool.file_kinds import FileKind, kind_of
@@ -81,3 +83,13 @@ def test_a_misspelt_key_makes_no_other_kind(tmp_path: Path) -> None:
         load_plan(str(path))
     assert kind_of(tmp_path / "none") is None
     assert kind_of(tmp_path) is None
+
+
+@pytest.mark.parametrize("given", [FileKind.PLAN, FileKind.PROFILE, FileKind.EDS, FileKind.MANIFEST])
+@pytest.mark.parametrize("verb", ["analyze", "report", "export", "verify"])
+def test_a_file_in_place_of_a_run_is_told_as_what_it_is(tmp_path: Path, verb: str, given: FileKind) -> None:
+    """A plan was called a table of another tool."""
+    path = _file(tmp_path, given)
+    told = CliRunner().invoke(app, [verb, str(path)])
+    assert told.exit_code in (2, 3)
+    assert f"{path} is a {given}, and a folder of a recorded run is expected: " in told.stderr
