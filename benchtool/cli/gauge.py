@@ -16,6 +16,7 @@ from benchtool.gauge import Component, GaugeStudy, Inferred, read_readings, stud
 from benchtool.plan import Limit, Verdict
 
 _ACCEPTABLE, _CONDITIONAL = 10.0, 30.0  # %GRR of AIAG
+_CATEGORIES = 5
 
 
 def gauge(
@@ -69,8 +70,10 @@ def gauge(
     known = {what: share for what, share in shares.items() if share is not None}
     for what, share in known.items():
         output.line(f"%GRR of the {what}: {_shown(share)}, {_judged(share)}")
-    if result.ndc is not None:
-        output.line(f"distinct categories: {result.ndc} (5 or more are expected)")
+    if result.ndc_interval is not None:
+        least, most = result.ndc_interval
+        told = f"distinct categories: {result.ndc} (95 %: {least} to {most})"
+        output.line(f"{told}, at least {_CATEGORIES} are expected")
     if not known:
         output.note("one part and no --tolerance: nothing to hold the gauge against")
     verdict, conformance = Verdict.NONE, None
@@ -161,6 +164,7 @@ def _document(
         **_share("percent_of_total", result.percent_of_total),
         **_share("percent_of_tolerance", result.percent_of_tolerance),
         "ndc": result.ndc,
+        "ndc_interval": None if result.ndc_interval is None else list(result.ndc_interval),
     }
 
 

@@ -116,6 +116,15 @@ class GaugeStudy:
             return None
         return int(_NDC * self.part / self.gauge)
 
+    @property
+    def ndc_interval(self) -> tuple[int, int] | None:
+        """Where that number lies with 95 %, by the interval of %GRR; None without it."""
+        share = self.percent_of_total
+        if self.ndc is None or share is None:
+            return None
+        least, most = (math.sqrt(max(0.0, (100.0 / each) ** 2 - 1.0)) for each in reversed(share.interval))
+        return int(_NDC * least), int(_NDC * most)
+
 
 def study(
     readings: Readings, tolerance: float | None = None, pooled_above: float = POOLED_ABOVE

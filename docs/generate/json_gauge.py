@@ -81,3 +81,5 @@ class GaugeStudied(Document):
     """Interval in which that lies with 95 %."""
     ndc: int | None
     """Number of distinct categories."""
+    ndc_interval: list[int] | None
+    """Interval in which that lies with 95 %."""

@@ -66,7 +66,7 @@ def test_the_published_study() -> None:
     assert result.percent_of_total.estimate == pytest.approx(27.86, abs=5e-3)
     assert result.percent_of_total.interval == pytest.approx((15.3, 81.3), abs=0.1)  # of three operators
     assert result.percent_of_total.probability_below(30.0) == pytest.approx(0.475, abs=5e-3)
-    assert result.ndc == 4
+    assert (result.ndc, result.ndc_interval) == (4, (1, 9))
     interaction = result.components[2]
     assert (interaction.source, interaction.dof, interaction.variance) == (Source.INTERACTION, 18, None)
     assert interaction.p == pytest.approx(0.974106404329045, rel=1e-9)  # statsmodels 0.14, anova_lm, type 2
