@@ -55,10 +55,12 @@ _REMEDIES: Final[Mapping[FileKind, str]] = {
 def kind_of(path: Path) -> FileKind | None:
     """Return what a file or folder is by what it holds; None if it is of no kind, of several, or cannot be
     read."""
-    if path.is_dir():
-        manifests = itertools.chain(path.glob(_MANIFEST), path.glob(f"*/{_MANIFEST}"))
-        return FileKind.RUN if next(manifests, None) is not None else None
     try:
+        if path.is_dir():
+            manifests = itertools.chain(path.glob(_MANIFEST), path.glob(f"*/{_MANIFEST}"))
+            return FileKind.RUN if next(manifests, None) is not None else None
+        if not path.is_file():  # a pipe would wait for its writer
+            return None
         with path.open(encoding="utf-8") as file:
             text = file.read(_MOST_BYTES)
     except (OSError, UnicodeDecodeError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -82,7 +83,13 @@ def test_a_misspelt_key_makes_no_other_kind(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="unknown key 'motor'"):
         load_plan(str(path))
     assert kind_of(tmp_path / "none") is None
+    assert kind_of(tmp_path / ("long" * 100)) is None
     assert kind_of(tmp_path) is None
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert kind_of(tmp_path / "pipe") is None
 
 
 @pytest.mark.parametrize("given", [FileKind.PLAN, FileKind.PROFILE, FileKind.EDS, FileKind.MANIFEST])
