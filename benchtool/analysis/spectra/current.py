@@ -247,7 +247,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             "where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, and of an "
             "angle of less than a revolution, or that swings within less than two, the noise at both ends of "
-            "the signal's own phase (none of fewer than five periods)",
+            "the signal's own phase; of fewer than five periods the course of that angle and its slope, none "
+            "within a revolution",
         ),
         Quantity(
             ("current_fundamental",),

@@ -181,10 +181,11 @@ class _Reference:
         return np.concatenate([np.repeat(_log_mean(rising), len(floors)), np.full(steady, either)])
 
     def fits_of_falling(self) -> Floats:
-        """Return those of densities that fall, each with any white noise, shape (densities, 1)."""
-        shape = falling_densities(self.bands.place)[0]
-        fits = self.bands.fits(shape.reshape(-1, shape.shape[-1])).reshape(shape.shape[:2])
-        return np.asarray(_log_mean(fits)[:, np.newaxis])
+        """Return those of densities that fall, each with any white noise, shape (densities,)."""
+        shape, of_mean, _ = falling_densities(self.bands.place)
+        densities, levels = of_mean.shape
+        fits = self.bands.fits(shape.reshape(densities * levels, -1))
+        return _log_mean(fits.reshape(densities, levels))
 
 
 @dataclass(frozen=True)
@@ -273,13 +274,14 @@ def _of_falling(bands: Bands, others: float, reference: _Reference | None) -> tu
     """Return the probability that a density falls towards zero frequency, by the logarithm of the likelihood
     of the `others`, and the standard deviation of the mean if it does."""
     shape, of_mean, of_kind = falling_densities(bands.place)
-    fits = bands.fits(shape.reshape(-1, shape.shape[-1])).reshape(of_mean.shape)
+    densities, levels = of_mean.shape
+    every = shape.reshape(densities * levels, -1)
+    fits, prior = bands.fits(every), np.repeat(of_kind, levels) / levels
     if reference is not None:
-        fits += reference.fits_of_falling()
-    fits, prior = fits.ravel(), np.repeat(of_kind, fits.shape[1]) / fits.shape[1]
+        fits += np.repeat(reference.fits_of_falling(), levels)
     odds = _FALLS / (1.0 - _FALLS) * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
     weight = prior * np.exp(fits - np.max(fits))
-    square = of_mean.ravel() * bands.sizes(shape.reshape(-1, shape.shape[-1]))
+    square = of_mean.ravel() * bands.sizes(every)
     return odds / (1.0 + odds), math.sqrt(float(weight @ square) / float(np.sum(weight)))
 
 

@@ -153,7 +153,8 @@ _NUMBERS: Final = (
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much, of few "
         "periods where it is more (none where it rises more steeply than that of 1/f noise), or of few "
-        "pooled with it where it does not rise; less where it probably falls there; by how much what was "
+        "pooled with it where it does not rise; less where it probably falls there, level above or with a "
+        "crest; a torque_reference that it follows tells that density too; by how much what was "
         "taken out differs from period to period; resolution, by errors of steps that repeat, or along a "
         "record whose lines take the periods over the steps",
     ),
