@@ -82,3 +82,23 @@ def test_the_error_of_a_resolver_is_not_followed_where_the_rotor_swings_slowly_a
     phase = STEADY + 0.36 * np.sin(2.0 * np.pi * 0.7 * T + begin)
     found, _ = amplitudes(current_of(phase), phase + 7e-3 * np.sin(phase + 0.3))
     assert found[[1, 2, 3, 5]] == pytest.approx([1.0, 0.0, 0.0, 0.04], abs=2e-4)
+
+
+@pytest.mark.parametrize("is_of_rotor", [True, False])
+def test_high_orders_tell_whose_course_an_angle_has_where_the_lowest_are_noise(*, is_of_rotor: bool) -> None:
+    """Four periods of a current that is switched at the same angles, under noise, and an angle that wanders
+    otherwise in each."""
+    orders = [each for each in range(5, 400) if each % 2 and each % 3]
+    for seed in range(4):
+        random, count = np.random.default_rng(seed), 4500
+        walk = np.cumsum(np.convolve(random.standard_normal(count), np.ones(300) / 300, mode="same"))
+        course = np.arange(count) / count
+        walk -= np.polynomial.Polynomial.fit(course, walk, 2)(course)
+        wandering = 0.01 * walk / np.std(walk)
+        steady = 9.0 * np.pi * course
+        phase = steady + wandering if is_of_rotor else steady
+        current = np.cos(phase) + 0.2 * random.standard_normal(count)
+        for order in orders:
+            current += 0.03 * np.cos(order * phase + random.uniform(0.0, 2.0 * np.pi))
+        _, track, _ = follow(current, 10_000.0, track_angle((steady + wandering) / 4.0, 4))
+        assert (track.departure is not None) is is_of_rotor

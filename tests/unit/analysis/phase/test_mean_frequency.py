@@ -107,3 +107,23 @@ def test_what_the_rotor_does_within_periods_is_in_a_frequency_that_both_angle_an
         true_Hz = 2.0 * (rotor[-1] - rotor[0]) / (2.0 * np.pi * 3599 / RATE_HZ)
         relative.append((found.value - true_Hz) / found.uncertainty.standard)
     assert np.sqrt(np.mean(np.square(relative))) < 1.5
+
+
+def test_a_wandering_speed_within_few_periods_has_the_frequency_of_its_angle() -> None:
+    """The rotor is followed for the harmonics; how far it turned over a revolution its angle tells."""
+    errors = []
+    for seed in range(6):
+        random, count = np.random.default_rng(seed), 4500
+        course = np.arange(count) / count
+        swings = random.uniform(1.5, 2.5)
+        phase = 9.0 * np.pi * course + 0.02 * np.sin(2.0 * np.pi * (swings * course + random.random()))
+        current = np.cos(phase) + 0.02 * np.cos(5.0 * phase + 1.0) + 1e-3 * random.standard_normal(count)
+        block = Block.from_arrays(10_000.0, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(phase / 4.0, 4))
+        assert found.track.departure is not None
+        frequency = found.measurements[0]
+        assert frequency.name == "fundamental_frequency"
+        assert frequency.uncertainty is not None
+        true_Hz = (phase[-1] - phase[0]) / (2.0 * np.pi) * 10_000.0 / (count - 1)
+        errors.append((frequency.value - true_Hz) / frequency.uncertainty.standard)
+    assert np.max(np.abs(errors)) < 2.5
