@@ -80,7 +80,8 @@ def without_changes(
     what bends otherwise shows in the fundamental first. What is below order 1 these differences do not show:
     it is as at the lowest orders, unless sidebands of the fundamental have more. Of an amplitude that
     `has_stepped` the step was divided out, but for what it leaves in the period that it is in. There is none
-    where too few differences tell it, or more of them have more than a step would leave.
+    where too few differences tell it, or more of them have more than a step would leave, and all together
+    have less than the spectrum.
 
     Where they do not have less, they tell how probable it is that a phase that follows the signal over many
     periods has left something; the counts of an angle leave fast errors.
@@ -106,7 +107,10 @@ def without_changes(
         all_noise = _all_noise(floor.least, of_noise, 0.5 * math.sqrt(found.variance))
         floor = replace(floor, all_noise=all_noise)
     least = 1.0 if has_stepped else _LEAST
-    if not changes or not 0.0 < found.from_first < least * there:
+    # noise in bursts is in all of them, and more than they have is of what changes; a step is in three
+    all_of_them = found.has_bursts and not has_stepped
+    by_differences = found.with_bursts if all_of_them else found.from_first
+    if not changes or not 0.0 < by_differences < least * there:
         return floor
     if found.has_bursts or found.variance > _MOST_VARIANCE:
         return None

@@ -232,7 +232,7 @@ def follow(
     found = smooth
     if angle.of_periods is not None:
         by_angle = along(angle.of_periods)
-        found = by_angle if by_angle.off_line < smooth.off_line else smooth
+        found = by_angle if by_angle.is_closer_than(smooth) else smooth
     jump_rad, jumps_alone = found.seen.jump_rad, found.seen.jumps_alone
     by_tone = _followed(samples, sample_rate_Hz, found, name)
     if found is not smooth and max(found.seen.excess_rad, angle.within_rad) > OFF_RAD:
@@ -348,6 +348,12 @@ class _Followed:
     def if_clearly_better_than(self, other: _Followed) -> _Followed:
         return self if self.off_line < other.off_line and self.is_clearly(other_than=other) else other
 
+    def is_closer_than(self, other: _Followed) -> bool:
+        """Return whether less is between the harmonics than of the other: of the whole band, or where that
+        may be chance of its lowest part."""
+        sharper = self.is_sharper(other)
+        return self.off_line < other.off_line if sharper is None else sharper
+
     def is_sharper(self, other: _Followed) -> bool | None:
         """Return whether it has less between the harmonics than the other, from the third on, bin by bin of
         the whole band; None where that may be chance.
@@ -394,7 +400,7 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
             break
         coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name, every=True)
         other = _Followed(coherent, by_tone, wander(coherent))
-        if not other.off_rad < found.off_rad or other.blurs(found):
+        if not other.off_rad < found.off_rad or other.blurs(found) or found.is_sharper(other):
             break
         found, before_rad = other, found.off_rad
     return found

@@ -427,3 +427,13 @@ def test_a_current_that_stops_has_no_floor(has_stepped: bool) -> None:
     assert _apart(_beside(1.0, 1.0, 40), samples, follows, follows_signal=True) == follows
     silent = spectrum_of_bins(np.zeros(40 * 21, dtype=np.complex128), 40)
     assert _apart(silent, _white(40), follows, follows_signal=True) == follows
+
+
+def test_noise_in_bursts_that_all_differences_have_is_the_floor() -> None:
+    """Sidebands are more in quadrature as the bursts are; what differs between periods is as much."""
+    white = _white(40).reshape(40, -1)
+    bursts = white.copy()
+    bursts[[5, 14, 22, 31]] *= 3.0
+    bursts *= float(np.std(white) / np.std(bursts))
+    assert _apart(_beside(1.0, 20.0, 40), 0.5 * bursts.ravel()) is None
+    assert _apart(_beside(1.0, 20.0, 40), 1.2 * bursts.ravel()) == _OF_ONE
