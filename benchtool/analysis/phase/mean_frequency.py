@@ -13,9 +13,9 @@ from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.continuation import FEWEST
-from benchtool.analysis.phase.phase_following import Wander
 from benchtool.analysis.phase.turned_angle import tells_its_turn, turned_by_angle
 from benchtool.analysis.phase.turned_phase import middles_of_periods, turned_by_tone
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.repeatability import wander_of_difference
 from benchtool.analysis.uncertainty import Contribution, combined

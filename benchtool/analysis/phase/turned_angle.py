@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import FIRST_ROW, rows_of
 from benchtool.analysis.lines.course import FEWEST_TURNS, change_over_record, repeated_in_turns
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.phase.phase_following import Wander
 from benchtool.analysis.phase.steady_departure import steady_departure
 from benchtool.analysis.phase.turned_phase import Turned
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
 from benchtool.analysis.quantisation.resolution import largest_even_step
 from benchtool.analysis.statistics.scatter import error_of_series

@@ -13,8 +13,8 @@ from benchtool.analysis.noise.converter_lines import aliased_quantisation
 from benchtool.analysis.noise.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.continuation import FEWEST, continuation
-from benchtool.analysis.phase.phase_following import Wander
 from benchtool.analysis.phase.settling_phase import settling_phase
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_of_pairs
-from benchtool.analysis.phase.phase_following import wander
+from benchtool.analysis.phase.wander import wander
 from benchtool.analysis.quantisation.swept_steps import relative_error
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
 from benchtool.analysis.statistics.neighbours import neighbours_alike

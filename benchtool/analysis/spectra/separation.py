@@ -18,8 +18,9 @@ from benchtool.analysis.coherent.spectrum import (
     spectrum_of,
 )
 from benchtool.analysis.periods import PhaseTrack, track_tone
-from benchtool.analysis.phase.phase_following import Wander, follow, wander
+from benchtool.analysis.phase.phase_following import follow
 from benchtool.analysis.phase.turned_phase import left_at_ends_rad
+from benchtool.analysis.phase.wander import Wander, wander
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
 from benchtool.analysis.spectra.distortions import Beside
 from benchtool.analysis.spectra.groups import HarmonicGroups, harmonic_groups

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
 from benchtool.analysis.noise.noise import harmonic_noise
 from benchtool.analysis.noise.noise_of_lines import line_noise
-from benchtool.analysis.phase.phase_following import Wander
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.statistics.regimes import STANDS_OUT, change_of_regime
 
 _ABOVE_FLOOR = 4.0  # of the rms amplitude of a bin of noise: by chance once in ten million

@@ -22,8 +22,9 @@ from benchtool.analysis.coherent.spectrum import (
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.phase.mean_frequency import frequency
-from benchtool.analysis.phase.phase_following import Wander, follow, wander
+from benchtool.analysis.phase.phase_following import follow
 from benchtool.analysis.phase.turned_angle import turned_by_angle
+from benchtool.analysis.phase.wander import Wander, wander
 from benchtool.analysis.responses.response_curve import ResponseCurve
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.statistics.regimes import change_of_regime

@@ -9,7 +9,7 @@ import pytest
 
 from benchtool.analysis import Measurement, PhaseTrack, current_spectrum, track_angle, track_tone
 from benchtool.analysis.coherent.spectrum import CoherentSamples
-from benchtool.analysis.phase.phase_following import wander
+from benchtool.analysis.phase.wander import wander
 from benchtool.block import Block
 from tests.at_length import at_length
 

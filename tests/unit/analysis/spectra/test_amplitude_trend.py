@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import FIRST_ROW, coherent_samples, spectrum_of
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.phase.phase_following import wander
+from benchtool.analysis.phase.wander import wander
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.spectra.modulation import phase_noise_rad, with_steady_amplitude

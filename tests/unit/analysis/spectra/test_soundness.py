@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import CoherentSamples
-from benchtool.analysis.phase.phase_following import Wander
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of_bins
 
