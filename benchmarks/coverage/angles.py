@@ -31,6 +31,15 @@ ANGLES: Mapping[str, Disturbance] = {
         _LITTLE, swing=(2e-3, 0.7), speed_memory=(0.0, 1.0), wobble_rad=(5e-3, POLE_PAIRS)
     ),
     "swing_resolver": replace(_LITTLE, swing=(2e-3, 0.9), speed_memory=(0.0, 1.0), wobble_rad=(3e-3, 2)),
+    **{
+        f"rotor_wobbles_encoder_{counts}": Disturbance(
+            periods=100.3,
+            swing=(0.01, Disturbance.frequency_Hz / POLE_PAIRS),
+            counts=counts,
+            noise=3e-3,
+        )
+        for counts in (60, 100, 360)
+    },
 }
 
 FAMILIES = families_of(trial, ANGLES)

@@ -319,8 +319,9 @@ def fitted_smoothers(
 ) -> tuple[Smoother, Smoother]:
     """Return smoothers for the samples since an event, shape (n,): the shortened one and that of least risk.
 
-    The noise of each sample is that at rest times its level. Of a line at whatever frequency windows leave no
-    less than of white noise of its rms.
+    The noise of each sample is that at rest times its level. The risk of noise that is a line, at whatever
+    frequency, is that of white noise of its rms: what it leaves at one is no estimate of what it would on the
+    way.
 
     The difference of the two is as large as the bias that may remain in the first.
     """
@@ -328,11 +329,11 @@ def fitted_smoothers(
     none = Smoother(np.zeros(count, dtype=np.int64))
     if noise.rms == 0.0:
         return none, none
-    if noise.as_line:
-        noise = Noise(np.array([noise.as_line**2]))
     smoothed = _Smoothed(samples, noise, levels * np.ones(count))
-    best, least = none, smoothed.risk(none)
     most = smoothed.longest()
+    if noise.as_line:
+        smoothed = _Smoothed(samples, Noise(np.array([noise.as_line**2])), levels * np.ones(count))
+    best, least = none, smoothed.risk(none)
     longest = max(1.0, count / _PART)
     for growth in _GROWTH:
         for step in range(int(2.0 * math.log2(longest)) + 1):
@@ -384,7 +385,11 @@ def _innovations(covariance: Floats, piece: Floats) -> Floats | None:
     size = next_fast_length(count + len(covariance))
     white = fft.rfft(without_a_line(piece), size) / np.sqrt(_density(covariance, size))
     values = np.asarray(fft.irfft(white, size)[:count], dtype=np.float64)
-    values = (values - np.mean(values)) / np.std(values)
+    values -= np.mean(values)
+    scatter = float(np.std(values))
+    if not scatter > 0.0:  # a piece of one reading, beside another of that noise
+        return None
+    values /= scatter
     excess = float(np.mean(values**4)) - 3.0
     return values if excess > _HEAVY_TAILED * math.sqrt(24.0 / count) else None
 

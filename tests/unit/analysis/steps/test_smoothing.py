@@ -1,0 +1,41 @@
+"""Noise of samples at rest, and windows for noise that is a line wherever the signal stays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
+
+OF_COUNTS = Noise(np.array([1.0, -0.5]) / 6.0, as_line=0.55)
+
+
+def test_a_piece_of_one_reading_beside_a_short_one_has_normal_noise() -> None:
+    few = np.repeat([0.0, 1.0], 4)
+    found = Noise.of(few, np.full(300, 5.0))
+    assert 0.0 < found.rms < 0.1
+    assert found.innovations is None
+
+
+def counted(speed: np.ndarray) -> np.ndarray:
+    """Return how many counts come in each row, of a shaft that turns by so many."""
+    return np.diff(np.floor(np.concatenate([[0.4], 0.4 + np.cumsum(speed)])))
+
+
+def test_a_line_at_rest_does_not_shorten_windows() -> None:
+    row = np.arange(800.0)
+    speed = 71.7 - 65.2 * np.exp(-row / 50.0)
+    smoother, _ = fitted_smoothers(counted(speed), OF_COUNTS)
+    assert smoother.half[-1] >= 32
+    error = smoother.apply(counted(speed)) - speed
+    assert np.std(error[100:700]) < 0.05
+
+
+def test_a_mode_that_is_small_against_a_count_shortens_them() -> None:
+    row = np.arange(800.0)
+    ring = 3.0 * np.exp(-row / 90.0) * np.cos(2.0 * np.pi * row / 31.0)
+    speed = 71.7 - 62.0 * np.exp(-row / 40.0) - ring
+    for noise in (OF_COUNTS, replace(OF_COUNTS, as_line=0.0)):
+        smoother, _ = fitted_smoothers(counted(speed), noise)
+        assert np.max(smoother.half[60:160]) <= 10
