@@ -1,4 +1,4 @@
-"""Families of speeds that answer a step and are read by how many counts of an encoder have come in each row."""
+"""Families of speeds that answer a step, read by how many counts of an encoder have come in each row."""
 
 from __future__ import annotations
 
@@ -67,7 +67,8 @@ class _Shaft:
         what, ends = self.of, np.concatenate([[since[0] - 1.0], since])
         place = what.before * ends + what.rises * self.come(ends) + random.uniform()
         place += what.edges * random.standard_normal(len(ends))
-        place += what.shakes * np.convolve(random.standard_normal(len(ends) + 5), np.ones(6) / 6**0.5, "valid")
+        shaken = np.convolve(random.standard_normal(len(ends) + 5), np.ones(6) / 6**0.5, "valid")
+        place += what.shakes * shaken
         return np.asarray((np.diff(np.floor(place)) - what.before) / what.rises)
 
 
