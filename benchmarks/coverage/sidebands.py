@@ -18,6 +18,7 @@ RECORDS: Mapping[str, Disturbance] = {
     "slip_sidebands_no_angle": replace(
         _QUIET, lines=((0.94, 0.03), (1.06, 0.015)), angle=False, periods=75.7
     ),
+    "decaying_dc_and_line": replace(_QUIET, decay=(0.2, 0.1), lines=((2.46, 0.02),), periods=10.2),
     "one_sideband": replace(_QUIET, lines=((0.57, 0.02),), periods=50.0),
     "drift_many_periods_no_angle": replace(_MANY, drift=0.006),
     "swing_many_periods_no_angle": replace(_MANY, swing=(0.004, 0.9)),

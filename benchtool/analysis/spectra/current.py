@@ -111,7 +111,9 @@ def current_spectrum(
     amplitudes = fundamental_and_largest(found.spectrum, found.clean, errors, unit, channel, lines)
     ratios = (
         *distortions(found.clean, errors, lines, channel, current_rated_A_rms, unit),
-        distortion_with_noise(found.whole, found.steady.samples, found.components, errors, basis, channel),
+        distortion_with_noise(
+            found.whole, found.steady.samples, found.taken, found.course, errors, basis, channel
+        ),
         *group_distortions(found.coherent, found.clean, errors, groups, basis, channel, found.beside(groups)),
     )
     noise = noise_numbers(_noise(found, step), found.spectrum.fundamental_Hz, unit, channel, lines)

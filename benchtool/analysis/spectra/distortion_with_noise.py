@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final
 
@@ -17,7 +16,9 @@ from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectr
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.harmonics import distortion_and_noise
+from benchtool.analysis.spectra.interharmonics import Interharmonics
 from benchtool.analysis.spectra.line_errors import LineErrors
+from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
@@ -28,13 +29,14 @@ _BINS_AROUND = 9
 def distortion_with_noise(
     whole: CoherentSamples,
     clean: CoherentSamples,
-    between: Iterable[NDArray[np.complex128]],
+    taken: Interharmonics | None,
+    course: Course,
     errors: LineErrors,
     basis: Basis,
     channel: str,
 ) -> Measurement:
     """Return THD_F with the noise in it, of the `whole` periods. The `clean` ones are without all that is no
-    harmonic: without the components `between`, analytic signals, shape (samples,), and a decaying dc.
+    harmonic, which was `taken` out of samples at `course`.
 
     Its power differs from period to period: that scatter is of the noise and what it does to harmonics and to
     what is between them, whose own course is no scatter, but whose phases another record has otherwise. The
@@ -52,7 +54,9 @@ def distortion_with_noise(
     leaked = abs(spectrum.phasor[spectrum.periods] - of_clean.phasor[spectrum.periods])
     rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked)
     lines, value = spectrum.amplitude[harmonic], rest / amplitude
-    of_phases = _over_phases(spectrum, of_clean, harmonic, between) / (rest or 1.0)
+    of_phases = 0.0
+    if taken is not None and rest > 0.0:
+        of_phases = _over_phases(spectrum, of_clean, harmonic, taken, course) / rest
 
     def by_lines(of_lines: NDArray[np.float64]) -> float:
         """Return by how much errors of the harmonics move the amplitude of all but the fundamental."""
@@ -91,14 +95,18 @@ def _over_phases(
     spectrum: CoherentSpectrum,
     clean: CoherentSpectrum,
     harmonic: slice,
-    between: Iterable[NDArray[np.complex128]],
+    taken: Interharmonics,
+    course: Course,
 ) -> float:
     """Return the standard deviation of half the sum of squares of all bins over the phases of lines between
-    the harmonics, against these and against one another."""
+    the harmonics, against these, against one another, and against the begin of a dc that decays."""
     leaked = spectrum.phasor[harmonic] - clean.phasor[harmonic]
     squares = float(np.sum(np.abs(clean.phasor[harmonic] * leaked) ** 2))
-    for one, other in itertools.combinations(between, 2):
+    lines, decay = tuple(taken.components(course)), taken.decay(course)
+    for one, other in itertools.combinations(lines, 2):
         squares += float(abs(np.mean(one * np.conj(other)))) ** 2
+    for one in lines:  # both of its halves, at positive and negative frequency, have a product with it
+        squares += float(abs(np.mean(2.0 * one * decay))) ** 2
     return math.sqrt(0.5 * squares)
 
 

@@ -262,7 +262,7 @@ def _of_root(square: float, deviation: float) -> tuple[Contribution, ...]:
     cut_off = min(standard, _CUT_OFF * math.sqrt(deviation))
     return (
         Contribution(name, "A", math.sqrt(standard**2 - cut_off**2)),
-        Contribution("power below zero that is cut off", "B", cut_off, adds_power=True),
+        Contribution("power below zero that is cut off", "B", cut_off),
     )
 
 

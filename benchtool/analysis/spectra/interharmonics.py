@@ -71,10 +71,14 @@ class Interharmonics:
 
     def at(self, course: Course) -> Floats:
         """Return them at places of the record, shape (n,)."""
-        found = self.start * np.exp(-course.turned / self.constant)
+        found = self.decay(course)
         for component in self.components(course):
             found += np.real(component)
         return np.asarray(found)
+
+    def decay(self, course: Course) -> Floats:
+        """Return the dc that decays at places of the record, shape (n,)."""
+        return np.asarray(self.start * np.exp(-course.turned / self.constant))
 
     def components(self, course: Course) -> Iterator[Complex]:
         """Yield each sinusoid and each tone as an analytic signal at places of the record, shape (n,)."""

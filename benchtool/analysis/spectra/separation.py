@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -70,11 +69,6 @@ class Separation:
     def taken(self) -> Interharmonics | None:
         """All that is no harmonic; None if there is nothing."""
         return together(self.others, self.close.lines)
-
-    @property
-    def components(self) -> Iterator[NDArray[np.complex128]]:
-        """Analytic signals of it over the whole periods, but for a decaying dc."""
-        return iter(()) if self.taken is None else self.taken.components(self.course)
 
     @cached_property
     def rest(self) -> Floats:
