@@ -13,8 +13,10 @@ _JOINTS = rf"[_\s.,;{_UNIT_SIGNS}-]+"
 _NO_LETTERS = r"(?:[^\w°/·^-]|_)+"
 _HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])"  # behind m it may be that of mNm
 _LIMITS = ("min", "max")
+_TIME = r"(?:t|time|timestamp|zeit|temps)"
+_TIME_IN_SECONDS = re.compile(rf"{_TIME}{_BLANKS}s", re.IGNORECASE)
 _GLUED = {
-    "s": re.compile(r"(?:t|time|timestamp|zeit|temps)([mun]s)", re.IGNORECASE),
+    "s": re.compile(rf"{_TIME}([mun]s)", re.IGNORECASE),
     "rad": re.compile(r".+(deg)", re.IGNORECASE),
     "rad/s": re.compile(r".+(rpm)", re.IGNORECASE),
 }
@@ -63,7 +65,7 @@ def unit_in_name(name: str, unit: str) -> str:
     `speedRpm`), else the one that it begins with (`ms_today`), is (`rpm`), or has as a word of its own
     (`Ia |mA| filtered`), or nothing.
 
-    A letter alone is an index (i_s, u_h), and min at the beginning or within a name a least value. What is
+    A letter alone is an index (i_s, u_h), but behind the time (time_s); and min at the beginning or within a name a least value. What is
     said per division of a screen is no unit of the values.
     """
     name = name.strip()
@@ -75,6 +77,8 @@ def unit_in_name(name: str, unit: str) -> str:
         for count, between in ((3, "/"), (2, "/"), (2, ""), (1, "")):
             if len(words) > count and (found := _joined(words[-count:], between, unit)):
                 return found
+    if unit == "s" and _TIME_IN_SECONDS.fullmatch(name):
+        return "s"
     first = splits[0][0]
     if first.lower() not in _LIMITS and (found := _joined([first], "", unit)):
         return found

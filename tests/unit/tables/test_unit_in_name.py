@@ -35,6 +35,9 @@ def table(folder: Path, name: str) -> TextTable:
             ("timems", "s", "ms"),
             ("status", "s", ""),
             ("time_min_max", "s", ""),
+            ("time_s", "s", "s"),
+            ("Zeit s", "s", "s"),
+            ("i_s", "s", ""),
         ),
         *(("i_m_A", "A", ""), ("Iq_MA", "A", ""), ("torque_pin", "Nm", ""), ("torque_inp", "Nm", "")),
         *(
