@@ -313,8 +313,8 @@ class Table:
 
 
 def undefined(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
-    """Return the names of the measurements without a value, by the reason."""
-    return _names_by_reason((each.reason, each.name) for each in measurements)
+    """Return the names of the measurements that have neither a value nor a bound, by the reason."""
+    return _names_by_reason((each.reason, each.name) for each in measurements if each.upper_bound is None)
 
 
 def without_uncertainty(measurements: Iterable[Measurement]) -> dict[str, tuple[str, ...]]:
