@@ -19,6 +19,7 @@ _CRESTS_BY_CHANCE = 1e-4  # of crests of waves in steps
 _LOOKED_AT = 1 << 16  # samples, to count values by
 _RARELY, _LONG = 0.02, 30  # of neighbours are equal; samples in a row
 _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
+_FEWEST_STAYS = 10  # values that are held as long, by which is told how many of them are held on
 _FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
 
 
@@ -169,10 +170,11 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     a link that repeats its last value; empty if it does not.
 
     Held is what has one value for six samples in a row or more, for longer than by chance (once in a million
-    records) where neighbours are equal as often as here. Where others are equal at times, as in steps, it
-    goes on elsewhere: by more than four times of what it usually changes by from sample to sample. The crest
-    of a wave in steps goes on by one of them, and is short where neighbours are equal rarely. Zero,
-    as of a current that is switched off, counts likewise.
+    records) where neighbours are equal as often as here, and stay so as often as before other such jumps: a
+    current rests for as long as a converter leaves it alone, again and again. Where others are equal at
+    times, as in steps, it goes on elsewhere: by more than four times of what it usually changes by from
+    sample to sample. The crest of a wave in steps goes on by one of them, and is short where neighbours are
+    equal rarely. Zero, as of a current that is switched off, counts likewise.
     """
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
@@ -191,13 +193,27 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
         usual, to_end = float(np.median(np.abs(steps[moves]))), longest in (0, len(begins) - 1)
         if to_end or not abs(float(steps[moves[longest]])) > _JUMPS * usual:
             return ""
-        if equal > 0.0 and (held - 1) * math.log(equal) + math.log(len(steps)) > math.log(_BY_CHANCE):
+        others = np.delete(runs[:-1], longest)[np.delete(np.abs(steps[moves]), longest) > _JUMPS * usual]
+        stays = max(equal, _stays_equal(others))
+        if stays > 0.0 and (held - 1) * math.log(stays) + math.log(len(steps)) > math.log(_BY_CHANCE):
             return ""
     after = "the next is elsewhere" if row + held < len(samples) else "it ends so"
     return (
         f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and {after}: "
         f"the sensor or the link stood still"
     )
+
+
+def _stays_equal(runs: NDArray[np.int64]) -> float:
+    """Return how probably a value that is held goes on to be, by for how many samples others are, shape (n,):
+    the most that it is on average after any time that ten of them or more have reached; 0 of fewer."""
+    found = 0.0
+    for reached in np.unique(runs[runs > 0]):
+        beyond = runs[runs >= reached] - reached
+        if len(beyond) < _FEWEST_STAYS:
+            break
+        found = max(found, float(np.sum(beyond)) / float(np.sum(beyond) + len(beyond)))
+    return found
 
 
 def held_rows(values: NDArray[np.float64]) -> float:

@@ -119,3 +119,17 @@ def test_a_sensor_that_stops_is_told_however_long_and_wherever_it_goes_on(
     assert not standing(torque)
     torque[first:last] = torque[first]
     assert f"{last - first} samples in a row from row {first} (from 0)" in standing(torque, "Nm")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_current_that_a_converter_leaves_alone_again_and_again_does_not_stand_still(seed: int) -> None:
+    """Of 14 samples at rest, as ten other rests before a jump were, a sensor was said to stand still."""
+    random = np.random.default_rng(seed)
+    steps: list[int] = []
+    for rest in random.geometric(0.2, 300):
+        steps += [*random.choice((-1, 1), 20), *([0] * int(rest)), int(random.choice((-9, 9)))]
+    current = 0.0244 * (np.cumsum(steps) + 100.3)
+    assert standing(current) == ""
+    current[3000:3200] = current[3000]
+    current[3200:] += current[3000] + 1.0 - current[3200]
+    assert int(standing(current).partition(" samples in a row ")[0]) >= 200
