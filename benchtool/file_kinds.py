@@ -47,7 +47,7 @@ _REMEDIES: Final[Mapping[FileKind, str]] = {
     FileKind.PARAMETERS: "write it to a drive with 'benchtool params load {path}'",
     FileKind.WAIVERS: "give it as 'benchtool acceptance --waivers {path}'",
     FileKind.EDS: "name it in a profile, [drive] with eds = \"{path}\", or see 'benchtool info --eds {path}'",
-    FileKind.MANIFEST: "measure its folder with 'benchtool analyze {folder}'",
+    FileKind.MANIFEST: "its folder, {folder}, is for 'benchtool analyze', 'report' and 'compare'",
     FileKind.RUN: "measure it with 'benchtool analyze {path}'",
 }
 

@@ -324,7 +324,8 @@ def test_what_cannot_be_reported_is_one_line(demo: Path, tmp_path: Path) -> None
     (tmp_path / "empty").mkdir()
     for arguments, code, said in (
         (("report", tmp_path / "nowhere"), 2, "nowhere does not exist: give the folder of a run"),
-        (("report", demo / "manifest.json"), 2, "is a file: give the folder of a run"),
+        (("report", demo / "manifest.json"), 2, f"expected: its folder, {demo}, is for 'benchtool analyze'"),
+        (("report", demo / "measurements.json"), 2, "is a file: give the folder of a run"),
         (("report", tmp_path / "empty"), 2, "holds no run bundle"),
         (("report", demo, "--out", tmp_path / "no" / "page.html"), 3, "cannot write"),
         (("compare", demo, tmp_path / "empty"), 2, "holds no run bundle"),
