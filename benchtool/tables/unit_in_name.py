@@ -65,8 +65,8 @@ def unit_in_name(name: str, unit: str) -> str:
     `speedRpm`), else the one that it begins with (`ms_today`), is (`rpm`), or has as a word of its own
     (`Ia |mA| filtered`), or nothing.
 
-    A letter alone is an index (i_s, u_h), but behind the time (time_s); and min at the beginning or within a name a least value. What is
-    said per division of a screen is no unit of the values.
+    A letter alone is an index (i_s, u_h), but behind the time (time_s); and min at the beginning or within a
+    name a least value. What is said per division of a screen is no unit of the values.
     """
     name = name.strip()
     if _PER_DIVISION.search(name):

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
@@ -131,8 +130,7 @@ def _together(others: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
     periods, shape (periods, n / periods), whose bins are independent and as large as those around them."""
     power = np.abs(fft.rfft(noise.ravel())) ** 2
     between = np.arange(len(power)) % len(noise) != 0  # the mean of the periods has what is in the others
-    of_noise = ndimage.uniform_filter1d(power, _BINS_AROUND, mode="nearest")
-    share = ndimage.uniform_filter1d(between.astype(np.float64), _BINS_AROUND, mode="nearest")
-    around = of_noise / np.maximum(share, 1.0 / _BINS_AROUND)
+    near = np.ones(_BINS_AROUND)
+    around = np.convolve(power, near, "same") / np.maximum(np.convolve(between, near, "same"), 1.0)
     product = float(np.sum(np.abs(fft.rfft(others)[1:]) ** 2 * around[1:]))
     return math.sqrt(8.0 * product) / len(others) ** 2
