@@ -37,6 +37,7 @@ from benchtool.results import (
 )
 
 _LEAST_PLACE = 1e-6  # of a value without uncertainty: smaller differences do not show in it
+_MOST_PLACE = 0.01  # likewise: of another run that is far off, it keeps its digits
 _MOST_COLUMNS = 3  # runs side by side in a terminal; more are listed below each other
 
 
@@ -262,7 +263,8 @@ def _units(comparison: SideBySide[MeasuredCase]) -> dict[str, str]:
 
 
 def _value(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
-    """Return the value to the place of its uncertainty; where it has none, to that of the difference."""
+    """Return the value to the place of its uncertainty; where it has none, to that of the difference, and
+    with four digits at least."""
     found = next((each for each in comparison.results[label].measurements if each.name == name), None)
     if found is None:
         return NOTHING
@@ -274,7 +276,8 @@ def _value(comparison: SideBySide[MeasuredCase], label: str, name: str) -> str:
         abs(each.absolute) for each in _deltas_of(comparison, label, name) if math.isfinite(each.absolute)
     ]
     least = min((each for each in apart if each > 0.0), default=math.nan)
-    return placed(found.value, max(least, _LEAST_PLACE * abs(found.value)))
+    size = abs(found.value)
+    return placed(found.value, min(max(least, _LEAST_PLACE * size), _MOST_PLACE * size))
 
 
 def _deltas_of(comparison: SideBySide[MeasuredCase], label: str, name: str) -> list[Delta]:
