@@ -199,9 +199,9 @@ def _noise(found: Separation, step: float) -> NoiseFloor | None:
 
 
 def _refused(measurements: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
-    """Yield the measurements; if there is a `reason`, as undefined."""
+    """Yield the measurements; if there is a `reason`, as undefined by that."""
     for each in measurements:
-        if reason and math.isfinite(each.value):
+        if reason:
             yield Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
         else:
             yield each

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import CoherentSamples
+from benchtool.analysis import CoherentSamples, current_spectrum, track_angle
 from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.spectra.soundness import soundness, turned_around
+from benchtool.block import Block
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of_bins
 
 Floats = NDArray[np.float64]
@@ -152,3 +153,14 @@ def test_a_harmonic_and_lines_beside_it_may_cancel(with_lines: float, cancels: b
     courses = with_lines * np.repeat([0.8, 1.0, 0.5, 0.7], 10)
     reason = turned_around(_samples({5: 0.2}), _STEADY, "i_a", _samples({5: 0.2 * courses}))
     assert ("harmonic 5" in reason) is cancels
+
+
+def test_what_a_current_of_two_amplitudes_does_not_define_has_that_as_its_one_reason() -> None:
+    time_s = np.arange(5000) / 10e3
+    turned_rad = 2 * np.pi * 20.3 * time_s
+    noise = 0.01 * np.random.default_rng(1).standard_normal(len(time_s))
+    i_a = np.where(time_s < 0.25, 5.0, 7.5) * np.cos(turned_rad) + noise
+    track = track_angle(turned_rad % (2 * np.pi), 1)
+    _, *others = current_spectrum(Block.from_arrays(10e3, {"i_a": "A"}, i_a=i_a), "i_a", track).measurements
+    (reason,) = {each.reason for each in others}
+    assert reason.startswith("the amplitude of i_a changes from 5 to 7.5 between parts of the window")
