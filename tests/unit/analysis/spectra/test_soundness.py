@@ -156,11 +156,11 @@ def test_a_harmonic_and_lines_beside_it_may_cancel(with_lines: float, cancels: b
 
 
 def test_what_a_current_of_two_amplitudes_does_not_define_has_that_as_its_one_reason() -> None:
-    time_s = np.arange(5000) / 10e3
+    time_s = np.arange(3000) / 10e3  # too few periods for a floor of what changes
     turned_rad = 2 * np.pi * 20.3 * time_s
     noise = 0.01 * np.random.default_rng(1).standard_normal(len(time_s))
-    i_a = np.where(time_s < 0.25, 5.0, 7.5) * np.cos(turned_rad) + noise
+    i_a = np.where(time_s < 0.15, 5.0, 7.5) * np.cos(turned_rad) + noise
     track = track_angle(turned_rad % (2 * np.pi), 1)
     _, *others = current_spectrum(Block.from_arrays(10e3, {"i_a": "A"}, i_a=i_a), "i_a", track).measurements
     (reason,) = {each.reason for each in others}
-    assert reason.startswith("the amplitude of i_a changes from 5 to 7.5 between parts of the window")
+    assert reason.startswith("the amplitude of i_a changes from 5.03 to 7.5 between parts of the window")
