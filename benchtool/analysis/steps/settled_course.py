@@ -41,9 +41,6 @@ class SettledCourse:
         """Return that of a curve so far `away` from the level, shape (n,), after a step or fall in the row
         `since`; noise makes these `errors` of it, shape (draws, n), of the `standard` deviation, shape
         (n,)."""
-        beyond = np.flatnonzero(np.abs(away) >= band + _SURE * standard)
-        last = int(beyond[-1]) if len(beyond) else 0
-        soon = min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))
         relative = np.abs(errors) / np.maximum(standard, np.finfo(np.float64).tiny)
 
         def most(rows: slice) -> float:
@@ -51,6 +48,10 @@ class SettledCourse:
                 return _SURE
             return max(_SURE, float(np.quantile(np.max(relative[:, rows], axis=1), _OF_NOISE)))
 
+        # of many rows at rest noise takes some beyond the band, too
+        beyond = np.flatnonzero(np.abs(away) >= band + most(slice(0, len(away))) * standard)
+        last = int(beyond[-1]) if len(beyond) else 0
+        soon = min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))
         sign = -1.0 if away[last] < 0.0 else 1.0
         return cls(band, standard, last, soon, sign, most(slice(last, soon)), most(slice(soon, len(away))))
 
