@@ -48,10 +48,14 @@ class SettledCourse:
                 return _SURE
             return max(_SURE, float(np.quantile(np.max(relative[:, rows], axis=1), _OF_NOISE)))
 
-        # of many rows at rest noise takes some beyond the band, too
-        beyond = np.flatnonzero(np.abs(away) >= band + most(slice(0, len(away))) * standard)
-        last = int(beyond[-1]) if len(beyond) else 0
-        soon = min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))
+        def soon_after(last: int) -> int:
+            return min(len(away), last + 1 + round((_AS_LONG - 1.0) * max(0, last - since)))
+
+        # of many rows at rest noise takes some beyond the band, too: those are far from all that it does not
+        last = _last(np.abs(away) >= band + most(slice(0, len(away))) * standard)
+        near = soon_after(last)
+        last = max(last, _last(np.abs(away[:near]) >= band + _SURE * standard[:near]))
+        soon = soon_after(last)
         sign = -1.0 if away[last] < 0.0 else 1.0
         return cls(band, standard, last, soon, sign, most(slice(last, soon)), most(slice(soon, len(away))))
 
@@ -77,3 +81,8 @@ class SettledCourse:
         """Return a course `without_noise`, shape (n,), that rises as the curve itself does while it may still
         ring: within the noise an answer that creeps and rings at once does so as well."""
         return np.concatenate([away[: self.soon], course[self.soon :]])
+
+
+def _last(beyond: NDArray[np.bool_]) -> int:
+    """Return the last row, of shape (n,), that is beyond; 0 if none is."""
+    return int(np.max(np.flatnonzero(beyond), initial=0))
