@@ -36,6 +36,7 @@ _ASIDE = 10  # share of the periods at either end that alone does not justify fo
 _BELOW_ORDER = 3
 _OF_DC, _NEAR_DC = 2, 8  # bins that a dc which decays is in; part of the distance to the fundamental
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
+_FAR_OFF_LINE = 10.0  # a ratio of powers
 _OF_RATIO = math.pi / math.sqrt(3.0)  # deviation of the logarithm of a ratio of two exponentials
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
@@ -183,9 +184,15 @@ class _Followed:
 
     def is_closer_than(self, other: _Followed) -> bool:
         """Return whether less is between the harmonics than of the other: of the whole band, or where that
-        may be chance of its lowest part."""
-        sharper = self.is_sharper(other)
+        may be chance, or the lowest part differs by far, of that."""
+        sharper = None if self.is_far_from(other) else self.is_sharper(other)
         return self.off_line < other.off_line if sharper is None else sharper
+
+    def is_far_from(self, other: _Followed) -> bool:
+        """Return whether one of both has so much less between the lowest harmonics that no noise makes it: a
+        swing that one does not follow."""
+        least, most = sorted((self.off_line, other.off_line))
+        return most > _FAR_OFF_LINE * least
 
     def is_sharper(self, other: _Followed) -> bool | None:
         """Return whether it has less between the harmonics than the other, from the third on, bin by bin of
@@ -233,7 +240,9 @@ def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Follo
             break
         coherent = coherent_samples(samples, sample_rate_Hz, by_tone, name, every=True)
         other = _Followed(coherent, by_tone, wander(coherent))
-        if not other.off_rad < found.off_rad or other.blurs(found) or found.is_sharper(other):
+        if not other.off_rad < found.off_rad or other.blurs(found):
+            break
+        if not other.is_far_from(found) and found.is_sharper(other):
             break
         found, before_rad = other, found.off_rad
     return found

@@ -181,3 +181,10 @@ def test_answer_of_a_lag_is_that_of_its_transfer_function(damping: float | None)
     steps = [lag.step(time_s - late_s) for late_s in np.linspace(0.0, rise_s, 401)]
     np.testing.assert_allclose(lag.ramp(time_s, rise_s), integrate.simpson(steps, axis=0) / 400, atol=1e-6)
     assert np.all(np.isfinite(lag.step(1e3 * time_s)))
+
+
+def test_a_swing_that_is_far_above_the_noise_is_followed_in_every_record() -> None:
+    found = {each.measurement: each for each in scores(FAMILIES["swing_2Hz_no_angle"], 3, 7)}
+    for measurement in ("current_max_low_harmonic", "current_thd_f_subgroups", "harmonic_7"):
+        assert found[measurement].answered == 3
+        assert found[measurement].rms < 2.0
