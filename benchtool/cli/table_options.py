@@ -10,9 +10,9 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from benchtool.cli.tables import columns_of, require_time, stated_sensors
-from benchtool.errors import UsageError
-from benchtool.tables import PHASES, TableQuestion, quantity
+from benchtool.errors import RecordingError, UsageError
+from benchtool.profile import load_bench
+from benchtool.tables import PHASES, TableQuestion, TextTable, quantity
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class TableOptions:
         """
         if self.decimal not in (None, ".", ","):
             raise UsageError(f"--decimal is '{self.decimal}', one of . and , is expected")
-        require_time(file, self.time, self.rate, self.decimal or "")
+        _require_time(file, self.time, self.rate, self.decimal or "")
         if not (self.currents or self.torque or self._speed_column or analyses):
             missing = "--current, --torque and --speed"
             raise UsageError(
                 f"--csv without {missing}: name the column of a current, torque or speed"
-                f"{columns_of(file, self.decimal or '')}"
+                f"{_columns_of(file, self.decimal or '')}"
             )
         self._require_what_others_need()
         if from_ is not None and to is not None and from_ > to:
@@ -71,7 +71,7 @@ class TableOptions:
             to_s=math.inf if to is None else to,
             rate_Hz=self.rate,
             omega_m_rad_s=None if self.angle is not None else self._omega_m_rad_s,
-            **stated_sensors(self.bench),
+            **_stated_sensors(self.bench),
             recorded_on=self.recorded_on,
             decimal=self.decimal or "",
             analyses=analyses,
@@ -103,3 +103,37 @@ class TableOptions:
         ):
             if is_alone:
                 raise UsageError(f"{option} without {without}: name that column too, or leave {option} out")
+
+
+def _stated_sensors(bench: str | None) -> dict[str, Any]:
+    """Return `[bench]` of a file, and what else it may state than columns."""
+    if bench is None:
+        return {}
+    from benchtool.protocol.dictionary import sensed_units_of  # which needs the drive's dictionary
+
+    return {"bench": load_bench(bench), "signals": sensed_units_of(bench)}
+
+
+def _columns_of(csv: Path, decimal: str) -> str:
+    """Return the columns to choose from, or nothing where the table cannot be read."""
+    try:
+        return f" ({TextTable.open(csv, decimal, timed=False).listed})"
+    except RecordingError:
+        return ""
+
+
+def _require_time(csv: Path, time: str | None, rate: float | None, decimal: str) -> None:
+    """Refuse a table without a time or a rate, or with both.
+
+    Raises:
+        UsageError: one of the two is expected.
+    """
+    if time is None and rate is None:
+        raise UsageError(
+            f"--csv without --time: name the column of the time, or state --rate in Hz"
+            f"{_columns_of(csv, decimal)}"
+        )
+    if time is not None and rate is not None:
+        raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise UsageError(f"--rate is {rate:g}, rows per second above zero are expected")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,45 +18,9 @@ from benchtool.analysis import (
 from benchtool.cli import options
 from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
-from benchtool.errors import RecordingError, UsageError
-from benchtool.profile import load_bench
 from benchtool.recording import Conditions, enlist
 from benchtool.run import bundle_folder
-from benchtool.tables import TableAnswer, TextTable
-
-
-def stated_sensors(bench: str | None) -> dict[str, Any]:
-    """Return `[bench]` of a file, and what else it may state than columns."""
-    if bench is None:
-        return {}
-    from benchtool.protocol.dictionary import sensed_units_of  # which needs the drive's dictionary
-
-    return {"bench": load_bench(bench), "signals": sensed_units_of(bench)}
-
-
-def columns_of(csv: Path, decimal: str) -> str:
-    """Return the columns to choose from, or nothing where the table cannot be read."""
-    try:
-        return f" ({TextTable.open(csv, decimal, timed=False).listed})"
-    except RecordingError:
-        return ""
-
-
-def require_time(csv: Path, time: str | None, rate: float | None, decimal: str) -> None:
-    """Refuse a table without a time or a rate, or with both.
-
-    Raises:
-        UsageError: one of the two is expected.
-    """
-    if time is None and rate is None:
-        raise UsageError(
-            f"--csv without --time: name the column of the time, or state --rate in Hz"
-            f"{columns_of(csv, decimal)}"
-        )
-    if time is not None and rate is not None:
-        raise UsageError(f"both --time {time} and --rate {rate:g} for {csv}: give one of the two")
-    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
-        raise UsageError(f"--rate is {rate:g}, rows per second above zero are expected")
+from benchtool.tables import TableAnswer
 
 
 def keep_table(
