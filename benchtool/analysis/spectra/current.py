@@ -14,7 +14,6 @@ from benchtool.analysis.coherent.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
     harmonics,
-    spectrum_of,
 )
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.drawings import WAVEFORMS
@@ -111,9 +110,7 @@ def current_spectrum(
     amplitudes = fundamental_and_largest(found.spectrum, found.clean, errors, unit, channel, lines)
     ratios = (
         *distortions(found.clean, errors, lines, channel, current_rated_A_rms, unit),
-        distortion_with_noise(
-            found.whole, found.steady.samples, found.taken, found.course, errors, basis, channel
-        ),
+        distortion_with_noise(found, errors, basis, channel),
         *group_distortions(found.coherent, found.clean, errors, groups, basis, channel, found.beside(groups)),
     )
     noise = noise_numbers(_noise(found, step), found.spectrum.fundamental_Hz, unit, channel, lines)
@@ -164,7 +161,7 @@ def _errors(found: Separation, step: float) -> LineErrors:
         level_of(found.samples, step),
         seen.of_angle,
         None if others is None else noise_of_fit(others, found.clean, highest, len(found.coherent.values)),
-        None if trend is None else (spectrum_of(found.cleaned), trend.of_level),
+        None if trend is None else (found.with_course, trend.of_level),
     )
     return replace(errors, beside=found.close.standard[:highest])
 
@@ -177,9 +174,7 @@ def _may_beat(found: Separation, errors: LineErrors, step: float) -> bool:
         (found.by_signal or found.track.follows_signal)
         and not found.close.turned_rad
         and amplitude_changes(found.alone.amplitude, trend, step)
-        and not harmonics_tell(
-            found.clean if trend is None else spectrum_of(found.cleaned), len(errors.phase)
-        )
+        and not harmonics_tell(found.with_course, len(errors.phase))
     )
 
 

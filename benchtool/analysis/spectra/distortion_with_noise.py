@@ -11,13 +11,14 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum, spectrum_of
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.harmonics import distortion_and_noise
 from benchtool.analysis.spectra.interharmonics import Interharmonics
 from benchtool.analysis.spectra.line_errors import LineErrors
 from benchtool.analysis.spectra.moving_tones import Course
+from benchtool.analysis.spectra.separation import Separation
 from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
@@ -25,23 +26,14 @@ _NAME: Final = "current_thd_f_plus_noise"
 _BINS_AROUND = 9
 
 
-def distortion_with_noise(
-    whole: CoherentSamples,
-    clean: CoherentSamples,
-    taken: Interharmonics | None,
-    course: Course,
-    errors: LineErrors,
-    basis: Basis,
-    channel: str,
-) -> Measurement:
-    """Return THD_F with the noise in it, of the `whole` periods. The `clean` ones are without all that is no
-    harmonic, which was `taken` out of samples at `course`.
+def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, channel: str) -> Measurement:
+    """Return THD_F with the noise in it, of a current taken apart.
 
     Its power differs from period to period: that scatter is of the noise and what it does to harmonics and to
     what is between them, whose own course is no scatter, but whose phases another record has otherwise. The
     steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017).
     """
-    spectrum, of_clean = spectrum_of(whole), spectrum_of(clean)
+    spectrum, of_clean = spectrum_of(found.whole), found.clean
     amplitude = of_clean.fundamental
     text = "100 x rms of all in the band but dc and the fundamental, noise included / fundamental"
     to_end = replace(basis, reference="fundamental")
@@ -54,17 +46,17 @@ def distortion_with_noise(
     rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked)
     lines, value = spectrum.amplitude[harmonic], rest / amplitude
     of_phases = 0.0
-    if taken is not None and rest > 0.0:
-        of_phases = _over_phases(spectrum, of_clean, harmonic, taken, course) / rest
+    if found.taken is not None and rest > 0.0:
+        of_phases = _over_phases(spectrum, of_clean, harmonic, found.taken, found.course) / rest
 
     def by_lines(of_lines: NDArray[np.float64]) -> float:
         """Return by how much errors of the harmonics move the amplitude of all but the fundamental."""
         moved = lines[: len(of_lines) - 1] * of_lines[1:]
         return float(np.linalg.norm(moved)) / rest if rest > 0.0 else 0.0
 
-    scatter = _scatter_of_power(whole, clean, rest / math.sqrt(2.0))
+    scatter = _scatter_of_power(found, rest / math.sqrt(2.0))
     # the square of an amplitude is twice a mean square
-    of_scatter = scatter.line(f"scatter of its power over {whole.periods} electrical periods", 2**0.5)
+    of_scatter = scatter.line(f"scatter of its power over {spectrum.periods} electrical periods", 2**0.5)
     if by_lines(errors.noise) > of_scatter.standard:  # few periods may agree by chance
         by_noise = by_lines(errors.noise)
         of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
@@ -77,15 +69,15 @@ def distortion_with_noise(
         Contribution("resolution", "B", by_steps / amplitude),
         Contribution("phases of components between the harmonics", "B", of_phases / amplitude),
     ]
-    found = combined_by_names(each for each in budget if each.standard != 0.0)
+    uncertain = combined_by_names(each for each in budget if each.standard != 0.0)
     return Measurement(
         _NAME,
         100.0 * value,
         "%",
         text,
         to_end,
-        None if found is None else found.scaled(100.0),
-        uncertainty_reason="" if found is not None else errors.unknown,
+        None if uncertain is None else uncertain.scaled(100.0),
+        uncertainty_reason="" if uncertain is not None else errors.unknown,
         sensitivities=Sensitivities.of_distortion(channel, spectrum.fundamental_Hz),
     )
 
@@ -109,16 +101,17 @@ def _over_phases(
     return math.sqrt(0.5 * squares)
 
 
-def _scatter_of_power(whole: CoherentSamples, clean: CoherentSamples, rms: float) -> MeanError:
+def _scatter_of_power(found: Separation, rms: float) -> MeanError:
     """Return the error of the `rms` of all but dc and the fundamental, by its squares in each period without
     what the periods are clean of, and by what noise does to that."""
+    clean = found.steady.samples
     of_periods = clean.values.reshape(clean.periods, -1)
     turn = 2.0 * np.pi / clean.per_period * np.arange(clean.per_period)
-    phasor = spectrum_of(clean).phasor[clean.periods]
+    phasor = found.clean.phasor[clean.periods]
     fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
     squares = np.mean(np.square(of_periods - np.mean(of_periods) - fundamental), axis=1)
     error = error_of_periods(squares)
-    others = whole.values - clean.values
+    others = found.whole.values - clean.values
     if np.any(others):
         noise = of_periods - np.mean(of_periods, axis=0)
         error = replace(error, standard=math.hypot(error.standard, _together(others, noise)))

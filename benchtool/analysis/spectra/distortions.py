@@ -177,8 +177,8 @@ def _by_groups(
     """Return the distortions as ratios, with all that makes them uncertain."""
     errors = errors.first(groups.orders)  # the last harmonics may be without a whole group
     distortion = total_harmonic_distortion(spectrum, len(errors.noise), errors=errors)
-    by_noise = combined((each for each in distortion.of_lines if each.name != "fundamental"), "")
-    of_order_1, noise = _relative(distortion), None
+    by_noise = combined(distortion.of_harmonics, "")
+    of_order_1, noise = distortion.of_fundamental, None
     if by_noise is not None:
         # windows leave out the rest of the periods
         rest = math.sqrt(coherent.periods / (groups.windows * groups.periods_per_window))
@@ -200,13 +200,6 @@ def _by_groups(
             budget.append(Contribution("phases of components between the harmonics", "B", phases))
         found[kind] = GroupDistortion(ratio, tuple(budget))
     return found
-
-
-def _relative(distortion: Distortion) -> float:
-    """Return the relative standard uncertainty of the fundamental, but for what the harmonics have in common
-    with it; nan where it is not known."""
-    own = [each.standard for each in distortion.of_lines if each.name == "fundamental"]
-    return own[0] / distortion.with_noise if own and distortion.with_noise > 0.0 else math.nan
 
 
 def group_basis(coherent: CoherentSamples, groups: HarmonicGroups, basis: Basis) -> Basis:

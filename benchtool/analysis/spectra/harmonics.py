@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -44,8 +43,10 @@ class Distortion:
     """A distortion as a ratio, from harmonics 2 to `highest_harmonic`.
 
     Noise adds its power to that of the harmonics: `noise` is what it alone would read, `with_noise` the ratio
-    with it, whose own uncertainty is `of_lines`. `ratio` is without that power, 0 where nothing is left, and
-    `budget` is its uncertainty. All but `with_noise` are nan where the noise is not known.
+    with it. `ratio` is without that power, 0 where nothing is left, and `budget` is its uncertainty. That of
+    `with_noise` by the harmonics is `of_harmonics`, and `of_fundamental` is that of the fundamental, relative
+    to it, without what both have in common; nan without harmonics. All but `with_noise` are nan where the
+    noise is not known.
     """
 
     ratio: float
@@ -53,7 +54,8 @@ class Distortion:
     noise: float
     with_noise: float
     budget: tuple[Contribution, ...]
-    of_lines: tuple[Contribution, ...]
+    of_harmonics: tuple[Contribution, ...]
+    of_fundamental: float
 
     @property
     def standard(self) -> float:
@@ -66,11 +68,10 @@ class _Content:
     """Root of the sum of squares of the harmonics, in the signal's unit, and the effect of noise on it.
 
     `alone` is the root of the noise's expected sum of squares, that of repeated steps included, and `left`
-    what is left without it. `of_left` is the effect of noise on that, `of_lines` the uncertainty of what was
-    `measured`.
+    what is left without it. `of_left` is the effect of noise on that, `of_lines` the uncertainty of the
+    content with noise.
     """
 
-    measured: float
     alone: float
     left: float
     of_left: tuple[Contribution, ...]
@@ -135,23 +136,20 @@ def total_harmonic_distortion(
     if common is not None:  # the fundamental's noise is in it
         of_fundamental = tuple(each for each in of_fundamental if each.evaluation == "B")
 
-    def budget(
-        contributions: Iterable[Contribution], slope: float, by_fundamental: float
-    ) -> tuple[Contribution, ...]:
-        own = [each.scaled(slope) for each in contributions]
-        base = combined(of_fundamental, "") or Uncertainty(math.nan, "")
-        of_base = Contribution("fundamental", "A", by_fundamental * base.standard, base.dof)
-        return (*own, of_base) if by_fundamental else tuple(own)
-
+    base = combined(of_fundamental, "") or Uncertainty(math.nan, "")
     systematic = [each for each in content.of_lines if each.evaluation == "B"]
     ratio, slope_of_left, by_base = over(content.left)
+    budget = [each.scaled(slope_of_left) for each in (*content.of_left, *systematic)]
+    if by_base:
+        budget.append(Contribution("fundamental", "A", by_base * base.standard, base.dof))
     return Distortion(
         ratio=ratio,
         highest_harmonic=len(amplitude),
         noise=over(content.alone)[0],
         with_noise=with_noise,
-        budget=budget([*content.of_left, *systematic], slope_of_left, by_base),
-        of_lines=budget(content.of_lines, slope, by_fundamental),
+        budget=tuple(budget),
+        of_harmonics=tuple(each.scaled(slope) for each in content.of_lines),
+        of_fundamental=_ratio(base.standard, fundamental) if total > 0.0 else math.nan,
     )
 
 
@@ -236,7 +234,6 @@ def _content(
         Contribution("lines beside the harmonics", "B", math.sqrt(float(np.sum(by_lines**2)))),
     )
     return _Content(
-        measured,
         math.sqrt(alone2),
         math.sqrt(left2),
         _of_root(left2, deviation),

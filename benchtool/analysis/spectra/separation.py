@@ -115,6 +115,11 @@ class Separation:
         return spectrum_of(self.steady.samples)
 
     @cached_property
+    def with_course(self) -> CoherentSpectrum:
+        """Their spectrum with the course of their amplitude."""
+        return self.clean if self.steady.trend is None else spectrum_of(self.cleaned)
+
+    @cached_property
     def quiet(self) -> tuple[CoherentSamples, CoherentSpectrum]:
         """They and their spectrum without what stands out between them: sidebands of an amplitude that swings
         fast, say, are of the signal, and no noise."""
