@@ -137,6 +137,7 @@ from .spectra.harmonics import (
 )
 from .spectra.unbalance import current_unbalance as current_unbalance
 from .statistics.lost_samples import continued as continued
+from .statistics.mean_beside import MeanBeside as MeanBeside
 from .statistics.regimes import change_of_regime as change_of_regime
 from .statistics.scatter import error_of_record as error_of_record, error_of_series as error_of_series
 from .statistics.straight_lines import (

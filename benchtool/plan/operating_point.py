@@ -324,7 +324,7 @@ class _Signals:
 
 
 def _mean_of(block: Block, name: str, source: str, pole_pairs: int = 1) -> _Mean:
-    samples, between = block.column(name), None
+    samples, beside = block.column(name), None
     scatter = error_of_record(samples).line("scatter over parts of the record")
     if name == "omega_m":
         theta_m, i_a = (
@@ -334,11 +334,12 @@ def _mean_of(block: Block, name: str, source: str, pole_pairs: int = 1) -> _Mean
         beside = speed_beside_angle(
             np.ascontiguousarray(samples), block.sample_rate_Hz, theta_m, i_a, pole_pairs
         )
-        if beside is not None:
-            scatter = beside.error.line(f"scatter beside the course of {beside.channel}")
-            between = beside.between_records
     reading = MeanReading.of(Channel(name, block.unit(name)), samples, block.sample_rate_Hz)
-    return _Mean(reading.mean, (scatter,), reading, record_basis(block), source, between_records=between)
+    if beside is None:
+        return _Mean(reading.mean, (scatter,), reading, record_basis(block), source)
+    source = f"{source}, from the first row to the last, which count by half"
+    errors, further = (beside.line,), beside.between_records
+    return _Mean(beside.value, errors, reading, record_basis(block), source, between_records=further)
 
 
 def _measured(each: Target, point: OperatingPoint, motor: Motor, signals: _Signals) -> Measurement:

@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from benchtool.analysis import (
+    MeanBeside,
     Measurement,
     Table,
     count_of,
@@ -18,6 +19,7 @@ from benchtool.analysis import (
     record_basis,
     require_signal,
     ripple_of_rows,
+    speed_beside_angle,
 )
 from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.orders import (
@@ -104,11 +106,33 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         per_revolution=repetition.per_revolution,
         what=channel.name,
         no_periods=periods.hidden,
+        beside=_speed_beside(record) if what == "speed" else None,
     ):
         number = replace(each, definition=f"{each.definition}{rows}")
         if record.lost.within and math.isfinite(number.value):
             number = _incomplete(number, record.lost.within)
         yield _limited(record, number, held)
+
+
+def _speed_beside(record: Record) -> MeanBeside | None:
+    """Return the mean speed beside the angle, or else a phase current of which the pole pairs are stated."""
+    if record.uniform is None:
+        return None
+    columns, question = record.channels, record.question
+    names = {what: columns[what].name for what in ("angle", "current") if what in columns}
+    if question.pole_pairs is None:
+        names.pop("current", None)
+    theta_m, i_a = (
+        np.ascontiguousarray(record.column(what)) if what in names else None for what in ("angle", "current")
+    )
+    return speed_beside_angle(
+        np.ascontiguousarray(record.column("speed")),
+        record.base.rate_Hz,
+        theta_m,
+        i_a,
+        question.pole_pairs or 1,
+        **names,
+    )
 
 
 def _incomplete(number: Measurement, rows: int) -> Measurement:

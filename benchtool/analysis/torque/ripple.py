@@ -17,6 +17,7 @@ from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.statistics.between_samples import BETWEEN
 from benchtool.analysis.statistics.excesses import FEWEST_EXTREMES
+from benchtool.analysis.statistics.mean_beside import MeanBeside
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS, Periods
 from benchtool.analysis.torque.ripple_percent import no_base, percent
@@ -149,12 +150,14 @@ def ripple_of_rows(
     channel: str = "",
     no_periods: str = "",
     reference: NDArray[np.float64] | None = None,
+    beside: MeanBeside | None = None,
 ) -> tuple[Measurement, ...]:
     """`ripple_numbers` of samples, shape (n,), at any times, each counting the same.
 
     `marks` are where what repeats begins, and where the last one ends; `repeated` says what that is,
     `per_revolution` how many make a revolution. Messages name `channel`, or `what` where it is not given.
     `no_periods` is why nothing tells `marks`, where that is not for lack of an angle, a current or a speed.
+    `beside` is the mean where another channel tells its course: that over all rows, which needs no periods.
 
     Raises:
         AnalysisError: too short, not finite, or constant.
@@ -173,7 +176,10 @@ def ripple_of_rows(
         whole = replace(whole, mean=scatter.whole_mean, rms=rms)
         unknown = _few_updates(samples, marks.numbers, repeated)
         scatter = replace(scatter, percentile_range=None) if unknown else scatter
-    seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, _clipped(samples, whole.unit))
+    if beside is not None:
+        whole = replace(whole, mean=beside.value)
+    invalid = _clipped(samples, whole.unit)
+    seen = _Seen(whole, scatter, unknown, step, what, channel or what, basis, invalid, beside)
     return tuple(_numbers(seen, percentile_range(samples), name, rated))
 
 
@@ -228,7 +234,8 @@ def _clipped(samples: NDArray[np.float64], unit: str) -> str:
 @dataclass(frozen=True)
 class _Seen:
     """A ripple with what tells how much its numbers scatter, or `unknown`, why something does not; `clipped`
-    is why there are no numbers. `step` is that of the converter, `what` the channel in words."""
+    is why there are no numbers. `step` is that of the converter, `what` the channel in words, `beside` the
+    mean by what another channel tells."""
 
     whole: Ripple
     scatter: Scatter | None
@@ -238,6 +245,35 @@ class _Seen:
     channel: str
     basis: Basis
     clipped: str
+    beside: MeanBeside | None = None
+
+    def mean(self, name: str, of_steps: float) -> Measurement:
+        """Return the mean, of which the converter's steps leave `of_steps` uncertain."""
+        beside, scatter, value = self.beside, self.scatter, self.whole.mean
+        sensitivities, steps = Sensitivities.of_mean(self.channel, value), self.resolution(of_steps)
+        if beside is None or self.clipped:
+            text, error = f"mean of {self.what}{self.without}", scatter.mean if scatter else None
+            return self.number(name, text, value, error, sensitivities, steps)
+        text = (
+            f"mean of {self.what} over all rows, from the first to the last, which count by half; its error "
+            f"by what it reads beside the course of {beside.channel}"
+        )
+        lines = tuple(each for each in (beside.line, steps) if each.standard != 0.0)
+        return Measurement(
+            name,
+            value,
+            self.whole.unit,
+            text,
+            self.basis,
+            combined_by_names(lines or (beside.line,)),
+            repeatability=beside.between_records,
+            sensitivities=sensitivities,
+        )
+
+    @property
+    def without(self) -> str:
+        """What a number leaves out, in words."""
+        return "" if self.scatter is None else ", without what the incomplete period at the end makes of it"
 
     def number(
         self,
@@ -318,10 +354,9 @@ class _Seen:
 def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) -> Iterator[Measurement]:
     """Yield the numbers of a ripple between whose percentiles there is a range."""
     whole, scatter, step, what, channel = seen.whole, seen.scatter, seen.step, seen.what, seen.channel
-    without = "" if scatter is None else ", without what the incomplete period at the end makes of it"
     less_steps = "" if scatter is None or not step else f", less what steps of {step:.3g} {whole.unit} add"
     # what noise turns into noise, the scatter holds already
-    of_mean = of_rms = 0.0
+    of_mean, of_rms = step / math.sqrt(12.0) if scatter is None else 0.0, 0.0
     if scatter is not None and scatter.steps is not None:
         of_mean, of_rms = scatter.steps.of_mean(), scatter.steps.of_rms
     # noise too slow for the record moves its mean in place of its rms: nan where that is not known
@@ -329,20 +364,13 @@ def _numbers(seen: _Seen, range_between: float, name: str, rated: float | None) 
     if scatter is not None and whole.rms > 0.0:
         taken = scatter.mean.standard**2 / (2.0 * whole.rms)
     of_range = taken * range_between / whole.rms if math.isfinite(taken) and whole.rms > 0.0 else 0.0
-    mean = seen.number(
-        f"{name}_mean",
-        f"mean of {what}{without}",
-        whole.mean,
-        scatter.mean if scatter else None,
-        Sensitivities.of_mean(channel, whole.mean),
-        seen.resolution(of_mean),
-    )
+    mean = seen.mean(f"{name}_mean", of_mean)
     yield mean
     peak_to_peak = seen.peak_to_peak(f"{name}_ripple_pp")
     yield peak_to_peak
     rms = seen.number(
         f"{name}_ripple_rms",
-        f"rms of {what} about its mean{without}{less_steps}",
+        f"rms of {what} about its mean{seen.without}{less_steps}",
         whole.rms,
         scatter.rms if scatter else None,
         Sensitivities.of_rms(channel, whole.rms),
