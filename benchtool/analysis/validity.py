@@ -167,7 +167,18 @@ def _is_no_crest(values: NDArray[np.float64], counts: NDArray[np.int64]) -> bool
 
 def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     """Return why a record, shape (n,), of a signal that changes counts as held for a while, as by a sensor or
-    a link that repeats its last value; empty if it does not.
+    a link that repeats its last value (`held_stretch`); empty if it does not."""
+    if (held := held_stretch(samples)) is None:
+        return ""
+    after = "the next is elsewhere" if held.stop < len(samples) else "it ends so"
+    return (
+        f"{len(held)} samples in a row from row {held.start} (from 0) are "
+        f"{with_unit(float(samples[held.start]), unit)}, and {after}: the sensor or the link stood still"
+    )
+
+
+def held_stretch(samples: NDArray[np.float64]) -> range | None:
+    """Return the rows of the longest stretch for which a signal, shape (n,), counts as held.
 
     Held is what has one value for six samples in a row or more, for longer than by chance (once in a million
     records) where neighbours are equal as often as here, and stay so as often as before other such jumps: a
@@ -179,29 +190,25 @@ def standing(samples: NDArray[np.float64], unit: str = "") -> str:
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
     if len(moves) < 2:
-        return ""
+        return None
     begins = np.concatenate([[-1], moves])  # the change before each value that is held
     runs = np.diff(np.append(begins, len(steps))) - 1  # changes of zero after it
     longest = int(np.argmax(runs))
     held = int(runs[longest]) + 1
     if held < _FEWEST_HELD:
-        return ""
+        return None
     equal = (len(steps) - len(moves) - (held - 1)) / len(steps)
-    value, row = float(samples[begins[longest] + 1]), int(begins[longest]) + 1
+    row = int(begins[longest]) + 1
     is_rare = equal == 0.0 or (equal < _RARELY and held >= _LONG)
-    if not is_rare or value == 0.0:
+    if not is_rare or samples[row] == 0.0:
         usual, to_end = float(np.median(np.abs(steps[moves]))), longest in (0, len(begins) - 1)
         if to_end or not abs(float(steps[moves[longest]])) > _JUMPS * usual:
-            return ""
+            return None
         others = np.delete(runs[:-1], longest)[np.delete(np.abs(steps[moves]), longest) > _JUMPS * usual]
         stays = max(equal, _stays_equal(others))
         if stays > 0.0 and (held - 1) * math.log(stays) + math.log(len(steps)) > math.log(_BY_CHANCE):
-            return ""
-    after = "the next is elsewhere" if row + held < len(samples) else "it ends so"
-    return (
-        f"{held} samples in a row from row {row} (from 0) are {with_unit(value, unit)}, and {after}: "
-        f"the sensor or the link stood still"
-    )
+            return None
+    return range(row, row + held)
 
 
 def _stays_equal(runs: NDArray[np.int64]) -> float:

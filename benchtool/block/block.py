@@ -265,6 +265,14 @@ class Block:
         gaps = tuple(Gap(gap.row - first, gap.missing_rows) for gap in self.gaps if first < gap.row < last)
         return replace(self, first_tick=int(self.ticks()[first]), data=self.data[first:last], gaps=gaps)
 
+    def without(self, rows: NDArray[np.bool_]) -> Self:
+        """Return the block in which these rows, shape (n,), are missing, but not all of them."""
+        kept = np.flatnonzero(~rows)
+        ticks = self.ticks()[kept]
+        missing = np.diff(ticks) // self.stride - 1
+        gaps = tuple(Gap(int(row) + 1, int(missing[row])) for row in np.flatnonzero(missing))
+        return replace(self, first_tick=int(ticks[0]), data=self.data[kept], gaps=gaps)
+
     def to_pandas(self) -> pd.DataFrame:
         """Return a DataFrame with index `time_s`; `attrs["units"]` has the units, samples are not copied.
 

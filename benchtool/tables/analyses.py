@@ -13,6 +13,7 @@ from benchtool.analysis import (
     MeanBeside,
     Measurement,
     Table,
+    clipping,
     count_of,
     held_rows,
     raw,
@@ -20,6 +21,7 @@ from benchtool.analysis import (
     require_signal,
     ripple_of_rows,
     speed_beside_angle,
+    standing,
 )
 from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.orders import (
@@ -122,6 +124,8 @@ def _speed_beside(record: Record) -> MeanBeside | None:
     names = {what: columns[what].name for what in ("angle", "current") if what in columns}
     if question.pole_pairs is None:
         names.pop("current", None)
+    if record.angle_refusal:
+        names.pop("angle", None)
     theta_m, i_a = (
         np.ascontiguousarray(record.column(what)) if what in names else None for what in ("angle", "current")
     )
@@ -210,7 +214,7 @@ def _unbalance(record: Record, of_a: CurrentSpectrum | None, refusal: str) -> It
     if not record.channels.keys() >= set(PHASES):
         return
     names = [record.channels[each].name for each in PHASES]
-    reasons = (record.dead(each) or _held(record, each) for each in PHASES)
+    reasons = (record.dead(each) or _held(record, each) or _invalid(record, each) for each in PHASES)
     refusal = refusal or next(filter(None, reasons), "")
     try:
         if of_a is None or record.uniform is None or refusal:
@@ -234,6 +238,13 @@ def _held(record: Record, what: str) -> str:
         f"each value is held for {held:.3g} rows, the {'current' if what in PHASES else what} was sampled at "
         f"about {raw(rate_Hz / held, 4)} Hz and not at {raw(rate_Hz, 4)} Hz: export each once"
     )
+
+
+def _invalid(record: Record, what: str) -> str:
+    """Return that a column is clipped or stood still, with its name; empty if it did neither."""
+    column, channel = record.column(what), record.channels[what]
+    reason = clipping(column, channel.unit) or standing(column, channel.unit)
+    return f"'{channel.name}': {reason}" if reason else ""
 
 
 def _lines(record: Record, what: str) -> Iterator[Measurement | Table]:
@@ -291,9 +302,10 @@ def _found_orders(record: Record, what: str) -> Orders:
     block = record.read  # values and angles of stale rows are late by the same, and their times are not
     if block is not None:
         return order_analysis(block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
-    coverage = angle_coverage(record.column("angle"), angle)
+    rows = ~record.lost_angle
+    coverage = angle_coverage(record.column("angle")[rows], angle)
     # stamps that are uneven do not tell a wobble from their own jitter
-    spectrum = fitted_orders(coverage, record.column(what), channel, unit, angle, record.basis)
+    spectrum = fitted_orders(coverage, record.column(what)[rows], channel, unit, angle, record.basis)
     return describe_orders(spectrum, what, pole_pairs, slots)
 
 

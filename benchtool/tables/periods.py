@@ -69,6 +69,8 @@ class Periods:
             return Repetition(marks_of_rotor(track), "electrical periods", per_revolution)
         if "angle" not in self.record.channels:
             return self._at_stated_speed()
+        if self.record.angle_refusal:
+            return Repetition()
         angle = self.record.channels["angle"].name
         try:
             coverage = angle_coverage(self.record.column("angle"), angle)
@@ -80,7 +82,10 @@ class Periods:
 
     @property
     def hidden(self) -> str:
-        """Why a current or a stated speed, which would tell periods, does not; empty for another reason."""
+        """Why a current, an angle or a stated speed, which would tell periods, does not; empty for another
+        reason."""
+        if refusal := self.record.angle_refusal:
+            return f"{refusal}, and tells no periods, whose scatter would tell it: choose a span without them"
         stated = self.record.question.omega_m_rad_s is not None
         if self.record.uniform is not None or not (stated or "current" in self.record.channels):
             return ""
@@ -108,12 +113,14 @@ class Periods:
         """Return the electrical periods from angle and pole pairs, where both are there.
 
         Raises:
-            AnalysisError: the angle is in another unit, the speed is not steady, or the record too short or
-                too slow.
+            AnalysisError: the angle is in another unit or was lost, the speed is not steady, or the record
+                too short or too slow.
         """
         pole_pairs = self.record.question.pole_pairs
         if "angle" not in self.record.channels or pole_pairs is None:
             return None
+        if refusal := self.record.angle_refusal:
+            raise AnalysisError(f"{refusal}: choose a span without them")
         name = self.record.channels["angle"].name
         track = track_angle(unwrapped_angle(self.record.column("angle"), name), pole_pairs, name)
         if track.periods > 0.5 * track.samples:

@@ -13,7 +13,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis import Basis, continued, count_of, require_signal
-from benchtool.analysis.orders import unwrapped_angle
+from benchtool.analysis.orders import held_angle, unwrapped_angle
 from benchtool.block import Block, Channel, Gap
 from benchtool.errors import AnalysisError
 from benchtool.tables.columns import TableQuestion
@@ -97,6 +97,27 @@ class Record:
         return stale_rows(self.repeating)
 
     @cached_property
+    def lost_angle(self) -> NDArray[np.bool_]:
+        """Which of the rows repeat the angle of the one before though the rotor turned, shape (n,)."""
+        if "angle" in self.channels:
+            try:
+                return held_angle(unwrapped_angle(self.column("angle"), self.channels["angle"].name))
+            except AnalysisError:  # in another unit, or dead
+                pass
+        return np.zeros(len(self.data), dtype=np.bool_)
+
+    @property
+    def angle_refusal(self) -> str:
+        """Why the angle tells neither periods nor a course; empty if it does, or there is none."""
+        if not np.any(self.lost_angle):
+            return ""
+        first, count = int(np.argmax(self.lost_angle)), int(np.count_nonzero(self.lost_angle))
+        return (
+            f"'{self.channels['angle'].name}' stands still in {count_of(count, 'row')}, the first is row "
+            f"{first + 1} of those used, while the rotor turned (its sensor or its link was lost)"
+        )
+
+    @cached_property
     def restored(self) -> Record:
         """The rows, of even steps, those that are stale as the others have it: a line is smaller in values
         that are late.
@@ -118,14 +139,10 @@ class Record:
 
     @property
     def read(self) -> Block | None:
-        """The block, in which rows that are stale are missing."""
+        """The block, in which rows are missing that are stale, or of which the angle was lost."""
         block = self.block
-        if block is None or not np.any(self.stale):
-            return block
-        rows = np.flatnonzero(~self.stale)
-        missing = np.diff(block.ticks()[rows]) - 1
-        gaps = tuple(Gap(int(row) + 1, int(missing[row])) for row in np.flatnonzero(missing))
-        return replace(block, data=block.data[rows], gaps=gaps)
+        late = self.stale | self.lost_angle
+        return block if block is None or not np.any(late) else block.without(late)
 
     @property
     def block(self) -> Block | None:

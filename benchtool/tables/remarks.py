@@ -11,7 +11,14 @@ from enum import StrEnum
 
 import numpy as np
 
-from benchtool.analysis import Measurement, angle_remarks, clipping, count_of, flat_crest_remark
+from benchtool.analysis import (
+    Measurement,
+    angle_remarks,
+    clipping,
+    count_of,
+    flat_crest_remark,
+    standing,
+)
 from benchtool.analysis.orders import unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
@@ -45,6 +52,7 @@ class RemarkKind(StrEnum):
 
     CLIPPED = "clipped"
     FLAT_CRESTS = "flat_crests"
+    STOOD_STILL = "stood_still"
     REPEATED_ROWS = "repeated_rows"
     TWO_REGIMES = "two_regimes"
     SEVERAL_REGIMES = "several_regimes"
@@ -207,6 +215,8 @@ def other_speed(record: Record) -> Iterator[Remark]:
     if not record.channels.keys() >= {"angle", "speed"}:
         return
     name, time_s = record.channels["angle"].name, record.data[:, 0]
+    if record.angle_refusal:
+        return
     try:
         angle_rad = unwrapped_angle(record.column("angle"), name)
     except AnalysisError:
@@ -246,7 +256,8 @@ def of_clock(clock: Clock, time: Selection | None) -> Iterator[Remark]:
 
 
 def remarks(record: Record) -> Iterator[Remark]:
-    """Yield the clipping, rows that repeat the one before, and two regimes that one number would average."""
+    """Yield the clipping, rows that repeat the one before, a channel that stood still, and two regimes that
+    one number would average."""
     if text := _left_out(record):
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _shortened(record):
@@ -257,6 +268,9 @@ def remarks(record: Record) -> Iterator[Remark]:
         yield Remark(RemarkKind.TIME_GOES_BACK, "", text)
     if text := _repeated(record):
         yield Remark(RemarkKind.REPEATED_ROWS, "", text)
+    if text := record.angle_refusal:
+        text = f"{text}; orders leave them out, and it tells no periods: choose a span without them"
+        yield Remark(RemarkKind.STOOD_STILL, "angle", text)
     settings = [each for table in record.analyses.values() for each in table.values()]
     responding = [each for each in settings if isinstance(each, str)]  # they do not stay at one level
     for what, channel in record.channels.items():
@@ -265,6 +279,9 @@ def remarks(record: Record) -> Iterator[Remark]:
             continue
         if clipped := clipping(samples, channel.unit):
             yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
+        elif held := standing(samples, channel.unit):
+            yield Remark(RemarkKind.STOOD_STILL, what, f"'{channel.name}': {held}")
+            continue
         if channel.name not in responding and (found := regimes(samples, channel.unit)):
             kind = RemarkKind.TWO_REGIMES if found.levels == 2 else RemarkKind.SEVERAL_REGIMES
             yield Remark(kind, what, f"'{channel.name}': {found.text}")

@@ -3,6 +3,7 @@ from .angle import (
     revolution_rows as revolution_rows,
     unwrapped_angle as unwrapped_angle,
 )
+from .held_angle import held_angle as held_angle
 from .order_spectrum import (
     OrderSpectrum as OrderSpectrum,
     fitted_orders as fitted_orders,

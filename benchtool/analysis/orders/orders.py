@@ -21,8 +21,10 @@ from benchtool.analysis.orders.angle import (
     angle_coverage,
     few_revolutions,
     least_step_rad,
+    unwrapped_angle,
 )
 from benchtool.analysis.orders.angle_orders import sector_means
+from benchtool.analysis.orders.held_angle import held_angle
 from benchtool.analysis.orders.order_spectrum import (
     BY_CHANCE,
     FEWEST_REVOLUTIONS,
@@ -159,6 +161,9 @@ def _by_time(
 
 
 def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
+    lost = held_angle(unwrapped_angle(np.ascontiguousarray(block.column(angle)), angle))
+    if np.any(lost):
+        block = block.without(lost)
     coverage = angle_coverage(angle_of(block, angle), angle)
     if few := few_revolutions(coverage.angle_rad, angle, FEWEST_REVOLUTIONS):
         raise AnalysisError(few)
