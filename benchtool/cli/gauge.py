@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
@@ -15,7 +16,13 @@ from benchtool.errors import UsageError
 from benchtool.gauge import Component, GaugeStudy, Inferred, read_readings, study
 from benchtool.plan import Limit, Verdict
 
-_ACCEPTABLE, _CONDITIONAL = 10.0, 30.0  # %GRR of AIAG
+_CRITERIA = (
+    (10.0, "under 10 %, acceptable"),
+    (30.0, "10 to 30 %, which may be acceptable for some applications"),
+    (math.inf, "over 30 %, not acceptable"),
+)
+"""%GRR up to which each holds: AIAG, Measurement Systems Analysis, 4th edition, chapter II, section D."""
+
 _CATEGORIES = 5
 
 
@@ -35,19 +42,25 @@ def gauge(
         ),
     ] = None,
     margin: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="U|PERCENT",
-            help="Decision rule of --limit: U by the interval for 95 %; a number by the estimate alone, "
-            "marginal within so much of the limit.",
+            help="Decision rule of --limit: U by the interval for 95 %, as without it; a number by the "
+            "estimate alone, marginal within so much of the limit.",
         ),
-    ] = "U",
+    ] = None,
     as_json: options.Json = False,
 ) -> int:
     """Study the repeatability and reproducibility of a measurement over parts, operators and mountings."""
     output = Output(as_json=as_json)
+    rule = _rule(limit, margin)
     readings = read_readings(table, value)
     result = study(readings, tolerance)
+    if rule is not None and result.part is None and tolerance is None:
+        raise UsageError(
+            f"--limit with one part in {table}: %GRR of the total variation needs several parts, that of the "
+            f"tolerance its width; measure more parts, give --tolerance, or leave --limit out"
+        )
     design = dict(zip(("parts", "operators", "mountings", "repetitions"), readings.values.shape, strict=True))
     rows = [
         (
@@ -55,7 +68,7 @@ def gauge(
             str(each.dof),
             number(each.mean_square),
             NOTHING if each.F is None else number(each.F),
-            NOTHING if each.p is None else number(each.p),
+            NOTHING if each.p is None else probability(each.p),
             "pooled" if each.variance is None else number(each.variance**0.5),
         )
         for each in result.components
@@ -65,63 +78,106 @@ def gauge(
         f"{readings.name}: {shape}", ("source", ">dof", ">mean square", ">F", ">p", ">std. deviation"), rows
     )
     low, high = result.gauge_interval
-    output.line(f"gauge: {number(result.gauge)} (95 %: {number(low, 3)} to {number(high, 3)})")
+    interval = f"(95 %: {number(low, 3)} to {number(high, 3)})"
+    output.line(f"standard deviation of the gauge: {number(result.gauge)} {interval}")
     shares = {"total variation": result.percent_of_total, "tolerance": result.percent_of_tolerance}
     known = {what: share for what, share in shares.items() if share is not None}
     for what, share in known.items():
-        output.line(f"%GRR of the {what}: {_shown(share)}, {_judged(share)}")
+        output.sentence(f"{_shown(share)}; {_by_criteria(share)}", lead=f"%GRR of the {what}: ")
     if result.ndc_interval is not None:
         least, most = result.ndc_interval
-        told = f"distinct categories: {result.ndc} (95 %: {least} to {most})"
-        output.line(f"{told}, at least {_CATEGORIES} are expected")
-    if not known:
-        output.note("one part and no --tolerance: nothing to hold the gauge against")
+        told = f"number of distinct categories (ndc): {result.ndc} (95 %: {least} to {most})"
+        output.line(f"{told}, AIAG asks for {_CATEGORIES} or more")
+    if result.gauge == 0.0:
+        output.warning(
+            "repeated readings do not differ: their resolution hides the spread of the gauge, by which %GRR "
+            "is told; write the readings with more digits"
+        )
+    elif not known:
+        output.sentence(
+            "one part and no tolerance: %GRR has nothing to be a share of; measure several parts, or give "
+            "--tolerance, its width in the unit of the readings"
+        )
     verdict, conformance = Verdict.NONE, None
-    if limit is not None:
+    if rule is not None:
         what, held = next(iter(known.items()), ("", None))
-        verdict = _verdict(held, Limit(max=limit, margin=_margin(margin)))
+        if held is None:
+            verdict, told = Verdict.UNDECIDED, f"nothing tells whether %GRR is at most {rule.text}"
+        else:
+            verdict, conformance = _verdict(held, rule), held.probability_below(rule.greatest)
+            told = f"%GRR of the {what} {_decided(verdict, rule)}; {_probably(conformance, rule)}"
         output.verdict(str(verdict))
-        if held is not None:
-            conformance = held.probability_below(limit)
-            told = f"%GRR of the {what} at most {raw(limit)} %: {verdict}, P {probability(conformance)}"
-            output.sentence(f"{told} ({_rule(margin)})", VERDICT_COLOURS[verdict])
+        output.sentence(told, VERDICT_COLOURS[verdict])
     document = _document(table, readings.name, design, result, verdict)
     output.document(document if conformance is None else {**document, "conformance": conformance})
     return 0 if verdict.met else 1
 
 
-def _margin(stated: str) -> float | Literal["U"]:
-    """Return the margin of a limit.
+@dataclass(frozen=True)
+class _Rule:
+    """The greatest %GRR that is allowed, and the `margin` by which an estimate is marginal; None where its
+    whole interval decides."""
+
+    greatest: float
+    margin: float | None
+
+    @property
+    def text(self) -> str:
+        return f"{raw(self.greatest)} %"
+
+
+def _rule(limit: float | None, margin: str | None) -> _Rule | None:
+    """Return the decision rule, None without a limit.
 
     Raises:
-        UsageError: it is neither U nor a number from 0 on.
+        UsageError: a limit that is no percentage above 0, a margin without one, or one that is neither U nor
+            a number from 0 on.
     """
-    if stated == "U":
-        return "U"
+    if limit is None:
+        if margin is not None:
+            raise UsageError(
+                f"--margin {margin} without --limit: it is the rule of a limit, give both or none"
+            )
+        return None
+    if not 0.0 < limit < math.inf:
+        raise UsageError(f"--limit is {limit:g}, a number of percent above 0 is expected, such as 30")
+    if margin is None or margin == "U":
+        return _Rule(limit, None)
     try:
-        found = float(stated)
+        found = float(margin)
     except ValueError:
         found = math.nan
     if not 0.0 <= found < math.inf:
-        raise UsageError(f"--margin is {stated}, U or a number of percent from 0 on is expected")
-    return found
+        raise UsageError(f"--margin is {margin}, U or a number of percent from 0 on is expected")
+    return _Rule(limit, found)
 
 
-def _rule(margin: str) -> str:
-    if margin == "U":
-        return "by its interval for 95 %: --margin 0 judges the estimate alone"
-    return "by the estimate alone: --margin U judges its interval for 95 %"
-
-
-def _verdict(share: Inferred | None, limit: Limit) -> Verdict:
-    """Return how a percentage meets an upper limit; with a guard band it passes or fails where its whole
+def _verdict(share: Inferred, rule: _Rule) -> Verdict:
+    """Return how a percentage meets an upper limit; without a margin it passes or fails where its whole
     interval does."""
-    if share is None:
-        return Verdict.FAIL
-    if limit.margin != "U":
-        return limit.judge(share.estimate)
-    least, greatest = (limit.headroom(each) >= 0.0 for each in share.interval)
+    if rule.margin is not None:
+        return Limit(max=rule.greatest, margin=rule.margin).judge(share.estimate)
+    least, greatest = (each <= rule.greatest for each in share.interval)
     return Verdict.PASS if greatest else Verdict.UNDECIDED if least else Verdict.FAIL
+
+
+def _decided(verdict: Verdict, rule: _Rule) -> str:
+    """Return what a verdict says of a percentage, and by what."""
+    if rule.margin is not None:
+        met = "is at most" if verdict.met else "is more than"
+        near = f", by less than {raw(rule.margin)} %" if verdict is Verdict.MARGINAL else ""
+        return f"{met} {rule.text} as estimated{near} (--margin U judges its interval)"
+    if verdict is Verdict.UNDECIDED:
+        return (
+            f"may be below or above {rule.text}, its interval holds both: more operators, parts or mountings "
+            f"narrow it (--margin 0 judges the estimate alone)"
+        )
+    return f"is {'at most' if verdict.met else 'more than'} {rule.text} by its whole interval"
+
+
+def _probably(conformance: float, rule: _Rule) -> str:
+    """Return the probability that a percentage is within the limit, in words."""
+    return f"probability of at most {rule.text}: {probability(conformance)}"
 
 
 def _shown(share: Inferred) -> str:
@@ -130,17 +186,17 @@ def _shown(share: Inferred) -> str:
     return f"{number(share.estimate)} % (95 %: {number(low, 3)} to {number(high, 3)} %)"
 
 
-def _judged(share: Inferred) -> str:
-    """Return what AIAG says of a percentage, and what of the ends of its interval where that is another
-    thing."""
-    said, low, high = (_class(each) for each in (share.estimate, *share.interval))
-    return said if low == high else f"{said} as estimated, {low} to {high} by the interval"
+def _by_criteria(share: Inferred) -> str:
+    """Return which of AIAG's criteria a percentage falls under, and which others its interval reaches."""
+    said, low, high = (_criterion(each) for each in (share.estimate, *share.interval))
+    others = [text for _, text in _CRITERIA[low : high + 1] if text != _CRITERIA[said][1]]
+    if not others:
+        return f"by AIAG's criteria {_CRITERIA[said][1]}"
+    return f"by AIAG's criteria {_CRITERIA[said][1]}; its interval also reaches {'; and '.join(others)}"
 
 
-def _class(percent: float) -> str:
-    if percent <= _ACCEPTABLE:
-        return "acceptable"
-    return "acceptable for some uses" if percent <= _CONDITIONAL else "not acceptable"
+def _criterion(percent: float) -> int:
+    return next(place for place, (most, _) in enumerate(_CRITERIA) if percent <= most)
 
 
 def _document(

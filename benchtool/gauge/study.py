@@ -96,15 +96,16 @@ class GaugeStudy:
 
     @property
     def percent_of_total(self) -> Inferred | None:
-        """%GRR: the gauge's part of the total variation; None of one part, or where nothing varies."""
-        if self.part is None or self.total == 0.0:
+        """%GRR: the gauge's part of the total variation; None of one part, or where repetitions are alike."""
+        if self.part is None or self.gauge == 0.0:
             return None
         return Inferred(100.0 * self.gauge / self.total, 100.0 * self.gauge_draws / self.total_draws)
 
     @property
     def percent_of_tolerance(self) -> Inferred | None:
-        """Six standard deviations of the gauge in percent of the tolerance."""
-        if self.tolerance is None:
+        """Six standard deviations of the gauge in percent of the tolerance; None without one, or where
+        repetitions are alike."""
+        if self.tolerance is None or self.gauge == 0.0:
             return None
         share = 100.0 * _OF_TOLERANCE / self.tolerance
         return Inferred(share * self.gauge, share * self.gauge_draws)
