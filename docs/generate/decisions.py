@@ -212,7 +212,7 @@ SECTIONS: Final = (
         "frequency (`benchtool.analysis.phase`).",
         """
         0035 0180 0186 0221 0236 0320 0206 0304 0340 0189
-        0245 0413 0415 0416 0417 0353 0375 0503 0241 0301 0370 0418 0477 0509
+        0245 0413 0415 0416 0417 0353 0375 0503 0241 0301 0370 0418 0477 0509 0428
         """,
     ),
     Section(
@@ -228,7 +228,7 @@ SECTIONS: Final = (
         "The uncertainty of THD, of groups and of the noise floor "
         "(`benchtool.analysis.spectra`, `benchtool.analysis.noise`).",
         """
-        0044 0158 0278 0414 0526 0447 0527 0396 0449 0478 0319 0202 0233 0244 0504
+        0044 0158 0278 0414 0526 0447 0527 0429 0396 0449 0478 0319 0202 0233 0244 0504
         """,
     ),
     Section(

@@ -1,4 +1,5 @@
-"""Phases of periods beyond the first and the last one, by polynomials through those next to them."""
+"""Phases of periods beyond the first and the last one, by polynomials through those next to them, or by what
+foresees a swing within the record."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.phase.predicted_phase import Prediction, prediction
 
 FEWEST = 5
 """Phases of which a continuation is told."""
@@ -18,7 +20,7 @@ _DEGREES_AND_SIZES = ((2, 7), (2, 5), (3, 4))  # for noise, for both, and for wh
 _CLOSER = ((5, 6), (7, 8))  # for what swings within few periods, within half of one
 _FEWEST_MISSED = 3
 _LOWEST, _HIGHEST = 4, 10  # orders of the differences that noise is told by
-_CLEARLY_LESS = 0.5  # of a power, by a higher order
+_CLEARLY_LESS = 0.5  # of a power, by a higher order, or by a prediction
 _FEW, _AS_ONE = 16, 2.0  # periods; fourth differences
 _BY_CHANCE = 0.025  # to either side
 
@@ -54,9 +56,9 @@ class Continuation:
 
 def continuation(
     phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64] | None = None, *, closer: bool = False
-) -> Continuation:
+) -> Continuation | Prediction:
     """Return the one that misses the least of phases, shape (n,) with n of at least `FEWEST`, from either
-    side.
+    side: a polynomial, unless a prediction by what swings within the record misses clearly less.
 
     Noise moves the `amplitude` of the periods, relative to its mean, shape (n,), as it moves the phase: of
     few periods both tell it together, where they do not differ by more than chance. Polynomials of higher
@@ -68,7 +70,11 @@ def continuation(
     tried = (*_DEGREES_AND_SIZES, *_CLOSER) if closer else _DEGREES_AND_SIZES
     kinds = [each for each in tried if each[1] + _FEWEST_MISSED <= count]
     found = [_tried(phase_rad, *each, noise2) for each in kinds or [(2, min(5, count - 1))]]
-    return min(found, key=lambda each: each.missed2)
+    best = min(found, key=lambda each: each.missed2)
+    swinging = prediction(phase_rad, noise2)
+    if swinging is not None and swinging.missed2 < _CLEARLY_LESS * best.missed2:
+        return swinging
+    return best
 
 
 def _noise2(phase_rad: NDArray[np.float64]) -> float:

@@ -27,8 +27,7 @@ _OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin awa
 _LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _AT_ENDS = 4  # periods
 _AGREE = 3.0  # standard uncertainties of a difference
-# of a bend: a mean over a period is a 24th off its middle, and half of that is left
-_WITHIN = 1.0 / 48.0
+_WITHIN = 1.0 / 24.0  # of a bend, by which a mean over a period is off its middle
 
 
 @dataclass(frozen=True)
@@ -116,14 +115,15 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
-    What a bend within a period does to its phase is alike at both ends, but for how the bend varies.
+    What a bend within a period, along the track, does to its phase is alike at both ends, but for how the bend
+    varies.
     """
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
     middle = float(np.mean(seen.amplitude))
     going_on = continuation(phase_rad, seen.amplitude / middle if middle > 0.0 else None)
-    within_rad = _WITHIN * float(np.std(np.diff(track.at(marks), n=2)))
+    within_rad = _WITHIN * float(np.std(np.diff(seen.phase_rad, n=2)))
     before, after = (rows / per_period for rows in (float(marks[0]), track.samples - 1.0 - float(marks[-1])))
     left2 = seen.noise_rad**2
     if track.departure is not None:

@@ -19,11 +19,15 @@ from benchtool.analysis.spectra.interharmonics import Interharmonics
 from benchtool.analysis.spectra.line_errors import LineErrors
 from benchtool.analysis.spectra.moving_tones import Course
 from benchtool.analysis.spectra.separation import Separation
+from benchtool.analysis.statistics.lowest_frequencies import continued_power
 from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_root
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, combined_by_names
 
 _NAME: Final = "current_thd_f_plus_noise"
 _BINS_AROUND = 9
+_OF_DECAY = 4.0  # bins, below which a dc that decays takes noise along when it is fitted
+_LOWEST, _FINE = 8, 4  # bins that are told by places between them, and how many
+_BLOCKS = 1024  # of the record, by whose means these are
 
 
 def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, channel: str) -> Measurement:
@@ -114,16 +118,41 @@ def _scatter_of_power(found: Separation, rms: float) -> MeanError:
     others = found.whole.values - clean.values
     if np.any(others):
         noise = of_periods - np.mean(of_periods, axis=0)
-        error = replace(error, standard=math.hypot(error.standard, _together(others, noise)))
+        decays = found.taken is not None and found.taken.start != 0.0
+        error = replace(error, standard=math.hypot(error.standard, _together(others, noise, decays)))
     return error_of_root(squares, rms, error)
 
 
-def _together(others: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
+def _together(others: NDArray[np.float64], noise: NDArray[np.float64], decays: bool) -> float:
     """Return the standard deviation of twice the mean product of `others`, shape (n,), and noise like that of
-    periods, shape (periods, n / periods), whose bins are independent and as large as those around them."""
+    periods, shape (periods, n / periods), whose bins are independent and as large as those around them.
+
+    Where the others have a dc that `decays`, the noise in the lowest bins is fitted with it: there it is that
+    of the bins above, continued.
+    """
     power = np.abs(fft.rfft(noise.ravel())) ** 2
     between = np.arange(len(power)) % len(noise) != 0  # the mean of the periods has what is in the others
     near = np.ones(_BINS_AROUND)
     around = np.convolve(power, near, "same") / np.maximum(np.convolve(between, near, "same"), 1.0)
-    product = float(np.sum(np.abs(fft.rfft(others)[1:]) ** 2 * around[1:]))
-    return math.sqrt(8.0 * product) / len(others) ** 2
+    products = np.abs(fft.rfft(others)) ** 2 * around / float(len(others)) ** 4
+    products[0] = 0.0
+    if decays:
+        lowest = _lowest_products(others, noise)
+        if lowest is not None:
+            products[:_LOWEST] = lowest / _LOWEST
+    return math.sqrt(8.0 * float(np.sum(products)))
+
+
+def _lowest_products(others: NDArray[np.float64], noise: NDArray[np.float64]) -> float | None:
+    """Return the sum of the products of both powers in the lowest bins, which those of noise that rises
+    towards dc share: by places between them; None where too little tells its density."""
+    places = (np.arange((_LOWEST - 0.5) * _FINE) + 0.5) / _FINE
+    of_noise = continued_power(noise.ravel(), len(noise), _OF_DECAY, places)
+    if of_noise is None:
+        return None
+    size = max(1, len(others) // _BLOCKS)
+    blocks = len(others) // size
+    means = np.mean(others[: size * blocks].reshape(blocks, size), axis=1)
+    turns = np.exp(-2j * np.pi / len(others) * size * np.outer(places, np.arange(blocks)))
+    square = np.abs(turns @ (means - np.mean(means)) / blocks) ** 2
+    return float(square @ of_noise) / _FINE

@@ -97,6 +97,28 @@ def _of_periods(samples: Floats, periods: int) -> Bands | None:
     return bands.counting(most)
 
 
+def continued_power(samples: Floats, periods: int, told_from: float, places: Floats) -> Floats | None:
+    """Return the power of the noise of samples, shape (n,), in a bin at places in cycles in the record, by the
+    densities that describe the bins from `told_from` on, shape of the places; None of too few.
+
+    What repeats in `periods` whole periods is left out, as is what was fitted to the bins below.
+    """
+    bands = _of_periods(samples, periods)
+    if bands is None:
+        return None
+    bands = bands.only(bands.place >= told_from)
+    if np.sum(bands.count) < FEWEST_BINS:
+        return None
+    usable, floors = _usable(bands.place[-1])
+    white = np.ones((1, len(bands.place)))
+    shape = np.vstack([_shapes(_blurred(bands.place), usable, floors), white])
+    sought = np.vstack([_shapes(_density(places), usable, floors), np.ones((1, len(places)))])
+    prior = _prior(int(np.count_nonzero(usable)), len(floors))[: -1 - len(floors)]
+    fits = bands.fits(shape)
+    weight = np.append(prior, _WHITE) * np.exp(fits - np.max(fits))
+    return np.asarray((weight * bands.sizes(shape)) @ sought / np.sum(weight))
+
+
 def walk_probability(pieces: Sequence[Floats]) -> float | None:
     """Return how probable it is that noise wanders as a random walk does: that its density rises more steeply
     than that of 1/f noise, and down to the lowest frequency that the longest of `pieces`, each of shape (n,)

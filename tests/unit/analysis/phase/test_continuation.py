@@ -16,17 +16,47 @@ RATE_HZ, F_HZ, PERIODS = 10_000.0, 200.0, 60.3
 def test_a_swing_of_few_periods_is_no_noise() -> None:
     place = np.arange(100.0)
     swing_rad = 0.1 * np.sin(2 * np.pi * place / 10.3)
-    found = continuation(swing_rad)
+    assert continuation(swing_rad).noise2 < (1e-3 * 0.1) ** 2
+    found = continuation(swing_rad[:22])  # of which no weights are told
     bend_rad = math.sqrt(found.missed2)
-    assert found.noise2 < (1e-3 * 0.1) ** 2
     # a cubic misses the next phase by the fourth difference, the one half a period on by 105 / 384 of that
     assert math.sqrt(found.error2(0.5)) == pytest.approx(105.0 / 384.0 * bend_rad, rel=1e-2)
+
+
+def test_a_swing_of_four_periods_goes_on() -> None:
+    # once in a revolution of four pole pairs: a parabola through the last phases misses it by all of it
+    random, errors, stated = np.random.default_rng(11), [], []
+    for _ in range(20):
+        place, begin_rad = np.arange(80.0), random.uniform(0.0, 2.0 * math.pi)
+        drift_rad = 6.0 * place + 1e-4 * place**2
+        phase_rad = drift_rad + 0.04 * np.sin(2 * np.pi * place / 4.02 + begin_rad)
+        found = continuation(phase_rad + 1e-4 * random.standard_normal(80))
+        truth_rad = 6.0 * 79.7 + 1e-4 * 79.7**2 + 0.04 * math.sin(2 * math.pi * 79.7 / 4.02 + begin_rad)
+        errors.append(float(found.weights(0.7) @ phase_rad[-found.size :]) - truth_rad)
+        stated.append(math.sqrt(found.error2(0.7)))
+    assert max(map(abs, errors)) < 5e-4
+    assert max(stated) < 5e-4
 
 
 def test_noise_is_that_of_fourth_differences() -> None:
     random = np.random.default_rng(5)
     found = [continuation(1e-3 * random.standard_normal(80)).noise2 for _ in range(40)]
     assert math.sqrt(float(np.mean(found))) == pytest.approx(1e-3, rel=0.1)
+
+
+def test_a_swing_within_periods_is_none_along_the_track_that_follows_it() -> None:
+    count, random, ratios = 12_000, np.random.default_rng(12), []
+    for _ in range(8):
+        turns = 200.0 * np.arange(count) / RATE_HZ
+        swing_rad = 0.04 * np.sin(2 * np.pi * (turns / 4.0 + random.uniform()))
+        theta = 2 * np.pi * (turns + random.uniform()) + swing_rad
+        samples = np.cos(theta) + 0.03 * np.cos(5 * theta + 1.0) + 0.02 * np.cos(7 * theta)
+        samples = samples + 3e-3 * random.standard_normal(count)
+        found = separate(samples, RATE_HZ, track_tone(samples), "i_a", 0.0)
+        seen, beside_rad = found.over_record(RATE_HZ, "i_a")
+        turned = turned_by_tone(found.spectrum, found.track, seen, 0.0, beside_rad)
+        ratios.append((turned.phase_rad - float(theta[-1] - theta[0])) / turned.standard)
+    assert 0.5 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.5
 
 
 @pytest.mark.slow

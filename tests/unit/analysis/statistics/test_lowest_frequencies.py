@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from benchmarks.coverage.noise import coloured, fractional, resonant
-from benchtool.analysis.statistics.lowest_frequencies import _half_width, slow_noise, walk_probability
+from benchmarks.coverage.noise import coloured, fractional, pink, resonant
+from benchtool.analysis.statistics.lowest_frequencies import (
+    _half_width,
+    continued_power,
+    slow_noise,
+    walk_probability,
+)
 
 
 @pytest.mark.parametrize(("exponent", "within"), [(0.3, 0.3), (0.6, 0.1)])
@@ -160,3 +165,18 @@ def test_noise_with_a_crest_does_not_rise_towards_zero() -> None:
         errors.append(float(np.mean(record)) / found.of_falling)
     assert np.median(falls) > 0.9
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+@pytest.mark.parametrize("is_pink", [True, False])
+def test_bins_that_a_fit_has_emptied_are_continued_from_those_above(is_pink: bool) -> None:
+    random, count, places = np.random.default_rng(21), 2048, np.array([1.0, 2.0, 3.0])
+    found, power = [], []
+    for _ in range(60):
+        noise = pink(random, count) if is_pink else random.standard_normal(count)
+        bins = np.fft.rfft(noise)
+        power.append(np.abs(bins[1:4] / count) ** 2)
+        bins[1:4] *= 0.3
+        each = continued_power(np.fft.irfft(bins, count), 0, 4.0, places)
+        assert each is not None
+        found.append(each)
+    assert np.median(found, axis=0) == pytest.approx(np.mean(power, axis=0), rel=0.4)
