@@ -1,18 +1,22 @@
-"""Tables and sentences on a narrow terminal: names are broken after an underscore, numbers never."""
+"""Text on a narrow terminal: lines end between words, or else within a name after an underscore or the like;
+a number stays with its sign and its unit."""
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from rich.cells import cell_len
 
-SEPARATOR = 3  # cells between columns
-_LEAST_NAME = 12
-_LEAST_TEXT = 24  # of a column of words
 _INDENT = "    "
 _NAMED = 3
+_WORDS = re.compile("(?<=[, ])")
+_IN_NAMES = re.compile(r"(?<=[_/=:])|(?<=[a-z][.-])(?=[a-z])")
+_SHORT = 12  # cells of a name that stays whole
+_SIGN = re.compile(r"[≥≤<>±×=P−+-] ")
+_NUMBER = re.compile(r"[(−+-]*\d[\d.]*(?:[eE][−+-]?\d+)?\)? ")
+_LONGEST_UNIT = 6
 
 
 def named(names: tuple[str, ...]) -> str:
@@ -21,42 +25,57 @@ def named(names: tuple[str, ...]) -> str:
     return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
 
 
-def widest_name(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> int | None:
-    """Return the greatest width of the names in the first column of a table that is too wide for a terminal
-    of `width` cells; None if they can stay as they are.
-
-    Columns of words give way first, as far as they have room; those of numbers, whose heading begins with
-    `>`, do not.
-    """
-    headings = [column.removeprefix(">") for column in columns]
-    texts = list(zip(headings, *rows, strict=True))
-    natural = [max(cell_len(line) for text in column for line in text.split("\n")) for column in texts]
-    excess = sum(natural) + SEPARATOR * (len(columns) - 1) - width
-    words = [
-        wide for wide, column in zip(natural[1:], columns[1:], strict=True) if not column.startswith(">")
-    ]
-    excess -= sum(max(0, wide - _LEAST_TEXT) for wide in words)
-    return max(_LEAST_NAME, natural[0] - excess) if excess > 0 else None
+def broken(text: str, width: int) -> str:
+    """Return text in lines of at most `width` cells, broken after commas or blanks and, where what is between
+    them is wider, within names; a longer part stays whole."""
+    return "\n".join(_broken(line, width) for line in text.split("\n"))
 
 
-def broken(name: str, width: int) -> str:
-    """Return a name in lines of at most `width` cells, broken after commas or blanks and, where what is
-    between them is wider, after underscores; a longer part of it stays whole."""
+def _broken(text: str, width: int) -> str:
     lines = [""]
-    for part in _parts(name, width):
+    for part in _parts(text, width):
         if lines[-1] and cell_len(lines[-1]) + cell_len(part.rstrip()) > width:
             lines.append("")
         lines[-1] += part
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _parts(name: str, width: int) -> Iterator[str]:
-    """Yield the parts of a name that a line may end with."""
-    for piece in re.split("(?<=[, ])", name):
-        if cell_len(piece.rstrip()) <= width:
+def longest_part(text: str, *, within_names: bool) -> int:
+    """Return the width below which text cannot be broken, within names too or between words alone."""
+    parts = (part for line in text.split("\n") for part in _parts(line, 0 if within_names else None))
+    return max((cell_len(part.rstrip()) for part in parts), default=0)
+
+
+def _parts(text: str, width: int | None) -> Iterator[str]:
+    """Yield the parts of text that a line may end with: words and, of those that are wider than `width`, what
+    their names are made of."""
+    for piece in _words(text):
+        wide = cell_len(piece.rstrip())
+        if width is None or wide <= max(width, _SHORT) or " " in piece.rstrip():
             yield piece
         else:
-            yield from re.split("(?<=_)", piece)
+            yield from _IN_NAMES.split(piece)
+
+
+def _words(text: str) -> Iterator[str]:
+    """Yield words with the blank or comma at their end; a sign and the word behind it are one, and so are a
+    number and its unit."""
+    kept = ""
+    for word in _WORDS.split(text):
+        if kept and not _SIGN.fullmatch(_last(kept)) and len(word.rstrip(" ,.;:)")) > _LONGEST_UNIT:
+            yield kept
+            kept = ""
+        kept += word
+        if not (_SIGN.fullmatch(word) or _NUMBER.fullmatch(word)):
+            yield kept
+            kept = ""
+    if kept:
+        yield kept
+
+
+def _last(words: str) -> str:
+    """Return the last of some words, with the blank behind it."""
+    return f"{words.split()[-1]} "
 
 
 def hanging(lead: str, text: str, width: int) -> str:

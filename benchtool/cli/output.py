@@ -15,7 +15,8 @@ from rich.table import Table
 from rich.text import Text
 
 from benchtool.cli.exit_codes import printable
-from benchtool.cli.fitting import broken, hanging, widest_name
+from benchtool.cli.fitting import broken, hanging
+from benchtool.cli.table_layout import RIGHT, SEPARATOR, tables
 
 if TYPE_CHECKING:
     from benchtool.recording import Bundle
@@ -81,37 +82,40 @@ class Output:
         self.sentence(text, VERDICT_COLOURS[verdict])
 
     def table(self, title: str, columns: tuple[str, ...], rows: Sequence[tuple[str | Text, ...]]) -> None:
-        """Print a table of the result; columns whose heading, of one line or more, begins with `>` are
-        right-aligned."""
-        table = Table(
-            title=printable(title),
-            title_justify="left",
-            title_style="bold",
-            show_edge=False,
-            pad_edge=False,
-        )
-        plain = [[str(cell) for cell in row] for row in rows]
-        widest = widest_name(columns, plain, self._people.width)
-        for number, column in enumerate(columns):
-            side: Literal["left", "right"] = "right" if column.startswith(">") else "left"
-            table.add_column(
-                "\n".join(printable(line) for line in column.removeprefix(">").split("\n")),
-                justify=side,
-                overflow="fold",
-                no_wrap=widest is None and number == 0,
-                max_width=widest if number == 0 else None,
+        """Print a table of the result; columns whose heading, of one line or more, begins with `>` are of
+        numbers, right-aligned and never broken. Columns without room stand in a table below."""
+        headings = ["\n".join(printable(line) for line in column.split("\n")) for column in columns]
+        cells = [[printable(str(cell)) for cell in row] for row in rows]
+        styles = [[cell.style if isinstance(cell, Text) else "" for cell in row] for row in rows]
+        for number, shown in enumerate(tables(headings, cells, self._people.width)):
+            table = Table(
+                title=printable(f"{title} (continued)" if number else title),
+                title_justify="left",
+                title_style="bold",
+                show_edge=False,
+                pad_edge=False,
             )
-        for row in rows:
-            first, *others = (Text(printable(cell)) if isinstance(cell, str) else cell for cell in row)
-            if widest is not None and isinstance(row[0], str):
-                first = Text(broken(printable(row[0]), widest))
-            table.add_row(first, *others)
-        self._show(table)
+            for place, wide in zip(shown.places, shown.widths, strict=True):
+                heading = headings[place]
+                side: Literal["left", "right"] = "right" if heading.startswith(RIGHT) else "left"
+                table.add_column(
+                    broken(heading.removeprefix(RIGHT), wide), justify=side, overflow="fold", width=wide
+                )
+            for row, of_row in zip(cells, styles, strict=True):
+                table.add_row(
+                    *(
+                        Text(broken(row[place], wide), style=of_row[place])
+                        for place, wide in zip(shown.places, shown.widths, strict=True)
+                    )
+                )
+            total = sum(shown.widths) + SEPARATOR * (len(shown.widths) - 1)
+            table.width = total if total > self._people.width else None
+            self._show(table)
 
     def _show(self, what: Text | Table, *, soft_wrap: bool = False) -> None:
         """Print text; with `--json`, a closed terminal is ignored."""
         with suppress(OSError) if self._as_json else nullcontext():
-            self._people.print(what, soft_wrap=soft_wrap)
+            self._people.print(what, soft_wrap=soft_wrap, crop=False)
 
     def document(self, content: Mapping[str, Any]) -> None:
         """Print the JSON document, if requested."""

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from rich.cells import cell_len
 from rich.text import Text
 
-from benchtool.cli.fitting import SEPARATOR, broken
+from benchtool.cli.fitting import broken
 from benchtool.cli.output import Output
+from benchtool.cli.table_layout import SEPARATOR
 
 _NAME = 24  # cells that names need; longer ones are broken
 _HEADING = 10  # narrower than this no heading is broken

@@ -53,7 +53,7 @@ def test_criteria_that_the_interval_reaches_are_told(tmp_path: Path) -> None:
         (("--margin", "5"), "--margin 5 without --limit"),
     ],
 )
-def test_a_rule_that_is_none_is_refused_before_the_study_is_shown(
+def test_a_wrong_rule_is_refused_before_the_study_is_shown(
     tmp_path: Path, options: tuple[str, ...], expected: str
 ) -> None:
     refused = gauge(tmp_path, 0.2, *options)
