@@ -13,6 +13,8 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
     │   ├── CapabilityMissing         the drive lacks objects that are needed; nothing was sent
     │   ├── EmulationError            the emulated machine runs away beyond what can be computed
     │   ├── AnalysisError             the data cannot answer the question (gap, too short, no channel)
+    │   ├── NoSuchRecording           a recording, run or table is not there, or is another kind of file
+    │   ├── NoSuchDictionary          likewise a dictionary file
     │   └── NoSuchAttribute           an object of the API has no attribute of that name
     ├── EnvironmentFailure         3  the environment of the tool is not as needed
     │   ├── LinkError                 frames or bytes do not move
@@ -36,10 +38,12 @@ prints it as it is. `exit_code` is what a command ends with when the error reach
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Self
+from collections.abc import Callable, Iterable, Sequence
+from typing import Self, TypeVar
 
 MOST_REASONS = 40
+
+_Given, _Found = TypeVar("_Given"), TypeVar("_Found")
 
 
 class BenchError(Exception):
@@ -141,6 +145,10 @@ class DictionaryError(EnvironmentFailure):
     """A dictionary file cannot be read."""
 
 
+class NoSuchDictionary(UsageError, DictionaryError):
+    """What was named as a dictionary file is not there, or is none."""
+
+
 class PlugInError(EnvironmentFailure):
     """A plug-in of another package is broken."""
 
@@ -150,7 +158,7 @@ class RecordingError(EnvironmentFailure):
 
 
 class NoSuchRecording(UsageError, RecordingError):
-    """What was named as a recording, run or table is not there, or is none."""
+    """What was named as a recording, a stream of it, a run or a table is not there, or is none."""
 
 
 class DriveError(BenchError):
@@ -192,3 +200,27 @@ class CaptureError(DriveError):
 
 class StimulusError(DriveError):
     """The on-drive stimulus was stopped before its end."""
+
+
+def of_each(find: Callable[[_Given], _Found], given: Iterable[_Given]) -> list[_Found]:
+    """Return what is found for each of what was given.
+
+    Raises:
+        BenchError: that of the first that is refused, with those of the others as its notes.
+    """
+    found, refused = [], []
+    for each in given:
+        try:
+            found.append(find(each))
+        except BenchError as error:
+            refused.append(error)
+    if not refused:
+        return found
+    first, *others = refused
+    told = {str(first), *getattr(first, "__notes__", ())}
+    for error in others:
+        for reason in (str(error), *getattr(error, "__notes__", ())):
+            if reason not in told and len(told) < MOST_REASONS:
+                first.add_note(reason)
+                told.add(reason)
+    raise first

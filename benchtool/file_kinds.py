@@ -26,6 +26,7 @@ class FileKind(StrEnum):
     EDS = "dictionary (EDS)"
     MANIFEST = "manifest of a recorded run"
     RUN = "folder of a recorded run"
+    TABLE = "table of numbers"
 
 
 _KEYS: Final[Mapping[FileKind, frozenset[str]]] = {

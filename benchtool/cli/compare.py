@@ -18,7 +18,8 @@ from benchtool.cli.fitting import named
 from benchtool.cli.output import VERDICT_COLOURS, Output, warn_incomplete, warn_overdue
 from benchtool.cli.results import show_contradicted, show_disagreements, verdict_text
 from benchtool.cli.side_by_side import Column, show_beside
-from benchtool.errors import UsageError
+from benchtool.errors import UsageError, of_each
+from benchtool.report import report_files
 from benchtool.results import (
     Chance,
     Comparison,
@@ -31,6 +32,7 @@ from benchtool.results import (
     compare_cases,
     compare_repeated,
     complete_of,
+    recorded_bundles,
     recorded_runs,
     repeated_cases,
     valued,
@@ -66,6 +68,9 @@ def compare(
         raise UsageError("--pdf writes a PDF beside the page of --html, which was not given: add --html FILE")
     output = Output(as_json=as_json)
     selection = chosen.selection(stream, from_, to, analysis)
+    of_each(recorded_bundles, runs)  # before the first is measured
+    if html is not None:
+        report_files(html, pdf=pdf)
     recorded = {label: recorded_runs(run, selection) for label, run in zip(_labels(runs), runs, strict=True)}
     found = {
         label: complete_of(of_one, run) for (label, of_one), run in zip(recorded.items(), runs, strict=True)

@@ -19,7 +19,7 @@ from benchtool.errors import UsageError
 from benchtool.live import setup_of, show_bundle
 from benchtool.profile import load_profile
 from benchtool.recording import Manifest
-from benchtool.results import recorded_runs
+from benchtool.results import recorded_bundles, recorded_runs
 from benchtool.telemetry import TelemetryStream, keep_journal
 
 _STEP_S = 0.05
@@ -84,6 +84,8 @@ def live(
             f"--channels, --rate, --link and --seed are for a drive, and {run} is a recorded run: "
             f"leave them out, or leave out the run"
         )
+    if run is not None:
+        recorded_bundles(run)  # before a viewer is opened
     asked = [name for name, wanted in (("viewer", viewer), ("web", web)) if wanted]
     asked += [] if save is None else [str(save)]
     with tempfile.TemporaryDirectory() as drawn:

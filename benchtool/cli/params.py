@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Annotated
 
 import typer
@@ -22,11 +24,12 @@ from benchtool.drive.parameters import (
     store,
     write_all,
 )
-from benchtool.errors import ValueRefused
+from benchtool.errors import ValueRefused, of_each
 from benchtool.profile import load_profile
 from benchtool.protocol.dictionary import (
     Dictionary,
     Value,
+    Variable,
     parse_value,
     plain,
     setting_of,
@@ -99,7 +102,7 @@ def get(
     """Read objects of any kind by name."""
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
-        variables = [readable(drive.dictionary, name) for name in names]
+        variables = of_each(partial(readable, drive.dictionary), names)
         values = {variable.name: drive.read(variable.name) for variable in variables}
     units = {variable.name: variable.unit for variable in variables}
     for name, value in values.items():
@@ -121,14 +124,12 @@ def set_(
 
     output = Output(as_json=as_json)
     with connected(profile, link, output) as (drive, _):
-        values: dict[str, Value] = {}
-        units: dict[str, str] = {}
-        for name, text in pairs(assignments):
-            variable = parameter(drive.dictionary, name)
-            if variable.name in values:
-                raise ValueRefused(f"'{variable.name}' is given twice: give it once; nothing was sent")
-            values[variable.name] = parse_value(variable, text)
-            units[variable.name] = variable.unit
+        assigned = of_each(partial(_assigned, drive.dictionary), pairs(assignments))
+        units = {variable.name: variable.unit for variable, _ in assigned}
+        values = {variable.name: value for variable, value in assigned}
+        for name, count in Counter(variable.name for variable, _ in assigned).items():
+            if count > 1:
+                raise ValueRefused(f"'{name}' is given twice: give it once; nothing was sent")
         before = write_all(drive, values)
         after = {name: drive.read(name) for name in values}
     for name, value in after.items():
@@ -220,6 +221,17 @@ def pairs(tokens: Sequence[str]) -> list[tuple[str, str]]:
                 f"'{name}={text}' is not an assignment: NAME=VALUE is expected, such as R_s=123mohm"
             )
     return found
+
+
+def _assigned(dictionary: Dictionary, pair: tuple[str, str]) -> tuple[Variable, Value]:
+    """Return the parameter that a name and a text are of, and its value.
+
+    Raises:
+        ValueRefused: there is no such parameter, or it cannot have this value.
+    """
+    name, text = pair
+    variable = parameter(dictionary, name)
+    return variable, parse_value(variable, text)
 
 
 def known_settings(

@@ -12,7 +12,7 @@ from benchtool.cli.output import Output, warn_incomplete, warn_overdue, warn_uns
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
 from benchtool.recording import enlist
-from benchtool.report import Report, write_report as write_documents
+from benchtool.report import Report, report_files, write_report as write_documents
 from benchtool.report.assembly import case_label, run_report, session_report, write_pictures
 from benchtool.results import (
     SESSION,
@@ -58,6 +58,7 @@ def report(
                 f"give the folder of one of these with --png"
             )
         return _session(run, out, pdf=pdf, output=output)
+    report_files(out or run / "report.html", pdf=pdf)  # before anything is measured
     runs = recorded_runs(run, chosen.selection(stream, from_, to, analysis))
     warn_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)

@@ -14,6 +14,7 @@ import typer
 from benchtool.cli import options, proposals
 from benchtool.document import Faults
 from benchtool.errors import BenchError, NoSuchRecording, PlanError, UsageError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.misfits import Path_
 from benchtool.plan import Plan, for_motor, load_plan, plan_names, plan_path, profiles_of
 from benchtool.profile import load_profile, profile_path
@@ -132,7 +133,9 @@ def run(
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
     if resume is not None and not resume.is_dir():
-        raise NoSuchRecording(f"{resume} does not exist: give the folder of the run that was cut short")
+        why = f"{resume} {'is a file' if resume.exists() else 'does not exist'}"
+        why = f"{why}: give the folder of the run that was cut short"
+        raise NoSuchRecording(mistaken(resume, FileKind.RUN) or why)
     chosen = RunOptions(
         profile,
         link,

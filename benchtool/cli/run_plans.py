@@ -21,7 +21,7 @@ from benchtool.cli.run_views import RunViews
 from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
-from benchtool.recording import require_own, write_whole
+from benchtool.recording import require_file, require_own, write_whole
 from benchtool.results import RunResult
 from benchtool.run import RunInfo, bundle_folder, check_plan, run_plan
 
@@ -36,6 +36,8 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         from benchtool.report import PAGE_MARK
 
         require_own(chosen.page, PAGE_MARK)
+    if chosen.junit is not None:
+        require_file(chosen.junit)
     single = not plans[0].part
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from types import MappingProxyType
 
@@ -53,6 +54,7 @@ from benchtool.errors import (
     StimulusError,
     UsageError,
     ValueRefused,
+    of_each,
 )
 from benchtool.profile import Profile
 from benchtool.protocol import State
@@ -89,13 +91,23 @@ def steps_for(names: Sequence[str]) -> tuple[Step, ...]:
     by_name = {step.name: step for step in STEPS}
     wanted: set[str] = set()
     pending = list(names) or list(by_name)
+    of_each(partial(_known_step, list(by_name)), dict.fromkeys(pending))
     while pending:
         name = pending.pop()
-        if name not in by_name:
-            raise UsageError(f"there is no step '{name}': {closest(name, list(by_name))}")
         wanted.add(name)
         pending += [each for each in by_name[name].needs if each not in wanted]
     return tuple(step for step in STEPS if step.name in wanted)
+
+
+def _known_step(known: Sequence[str], name: str) -> str:
+    """Return the name of a step.
+
+    Raises:
+        UsageError: there is no such step.
+    """
+    if name not in known:
+        raise UsageError(f"there is no step '{name}': {closest(name, list(known))}")
+    return name
 
 
 def _too_far(excitations: Sequence[Excitation], known: Known) -> str:

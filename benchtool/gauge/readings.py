@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis import count_of
 from benchtool.errors import AnalysisError, NoSuchRecording, RecordingError
+from benchtool.file_kinds import FileKind, mistaken
 
 FACTORS = ("part", "operator", "mounting")
 """Columns that say whose a reading is; each may be absent, but not all."""
@@ -80,13 +82,16 @@ def read_readings(path: Path, column: str = "") -> Readings:
 
 def _cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]], str]:
     """Return the names of the columns, the lines below with their numbers, and what separates cells."""
+    if told := mistaken(path, FileKind.TABLE):
+        raise NoSuchRecording(told)
     try:
         if path.stat().st_size > _LARGEST_BYTES:
             raise RecordingError(f"{path} has more than 64 MiB: a line for each reading is expected")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as reason:
         what = getattr(reason, "strerror", None) or "it is not text in UTF-8"
-        kind = NoSuchRecording if isinstance(reason, FileNotFoundError) else RecordingError
+        absent = isinstance(reason, FileNotFoundError | IsADirectoryError | ValueError)
+        kind = NoSuchRecording if absent else RecordingError
         raise kind(
             f"cannot read {path}: {what}; a table with a line for each reading is expected: check the name"
         ) from None
@@ -98,7 +103,8 @@ def _cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]], str]:
     except csv.Error as reason:
         raise RecordingError(f"{path} cannot be read as a table: {reason}: export it again as CSV") from None
     if len(rows) < 2:
-        raise RecordingError(f"{path} has {len(rows)} lines, a head and a line for each reading are expected")
+        lines = count_of(len(rows), "line")
+        raise NoSuchRecording(f"{path} has {lines}, a head and a line for each reading are expected")
     (_, head), *below = rows
     for number, row in below:
         if len(row) != len(head):

@@ -14,13 +14,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
 
 from benchtool.block import Block, Channel, Gap
-from benchtool.errors import ValueRefused
+from benchtool.errors import ValueRefused, of_each
 from benchtool.protocol.canopen.pdo import Pdo, event_timer_ticks, most_tpdos, tpdo, tpdo_numbers
 from benchtool.protocol.dictionary.dictionary import Dictionary
 from benchtool.protocol.dictionary.objects import DataType
@@ -79,7 +79,7 @@ def stream_layout(
                 f"{dictionary.source} has no object '{name}', which a record of the slow stream needs: "
                 f"record with a drive of benchtool's dictionary"
             )
-    channels = tuple(stream_channel(dictionary, name) for name in names)
+    channels = tuple(of_each(partial(stream_channel, dictionary), names))
     tick, sequence = dictionary["tick"], dictionary["stream_sequence"]
     words = [each.mapping for each in (tick, sequence, *channels, sequence)]
     pairs = [words[start : start + _WORDS_PER_PDO] for start in range(0, len(words), _WORDS_PER_PDO)]

@@ -18,6 +18,7 @@ from .failures import (
 from .files import (
     replacing as replacing,
     require_empty as require_empty,
+    require_file as require_file,
     require_free as require_free,
     require_own as require_own,
     write_whole as write_whole,

@@ -85,14 +85,23 @@ def require_empty(directory: Path) -> None:
             )
 
 
+def require_file(path: Path) -> None:
+    """Refuse a folder in place of a file to write.
+
+    Raises:
+        RecordingError: it is one.
+    """
+    if path.is_dir():
+        raise RecordingError(f"{path} is a folder: name a file")
+
+
 def require_own(path: Path, mark: bytes) -> None:
     """Refuse to replace a file that does not contain `mark`.
 
     Raises:
         RecordingError: the file lacks `mark`, or cannot be read.
     """
-    if path.is_dir():
-        raise RecordingError(f"{path} is a folder: name a file")
+    require_file(path)
     if not path.is_file():
         return
     with writing(path), path.open("rb") as file:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.block import Block
-from benchtool.errors import RecordingError
+from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.recording.events import EVENTS, Event, read_events
 from benchtool.recording.failures import reading
 from benchtool.recording.integrity import Integrity, check_bundle
@@ -104,11 +104,12 @@ class Bundle:
         """Return all rows of a stream, with its gaps.
 
         Raises:
-            RecordingError: there is no such stream or it cannot be read.
+            NoSuchRecording: there is no such stream.
+            RecordingError: it cannot be read.
         """
         if stream not in self.streams:
             known = ", ".join(self.streams) or "none"
-            raise RecordingError(
+            raise NoSuchRecording(
                 f"{self.directory} has no stream '{stream}', it has: {known}; choose one of these"
             )
         finished, running = f"{DATA}/{stream}{FINISHED}", f"{DATA}/{stream}{RUNNING}"

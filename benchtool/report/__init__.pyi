@@ -15,4 +15,7 @@ from .reproduction_page import (
     PlanFigures as PlanFigures,
     reproduction_page as reproduction_page,
 )
-from .writing import write_report as write_report
+from .writing import (
+    report_files as report_files,
+    write_report as write_report,
+)

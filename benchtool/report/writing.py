@@ -8,13 +8,14 @@ from benchtool.recording import require_own, write_whole
 from benchtool.report.content import Report
 
 
-def write_report(report: Report, page: Path, *, pdf: bool = False) -> tuple[Path, Path | None]:
-    """Write the page and, if asked for, the PDF beside it; the paths of both. Earlier reports are replaced.
+def report_files(page: Path, *, pdf: bool = False) -> tuple[Path, Path]:
+    """Return the names of a page and of the PDF beside it; before a long measurement they tell whether both
+    can be written.
 
     Raises:
-        RecordingError: a file cannot be written, or a file that is not a report exists.
+        RecordingError: a folder, or a file that is not a report, has the name of one that is asked for.
     """
-    from benchtool.report.html import MARK, html_page
+    from benchtool.report.html import MARK
 
     if pdf and page.suffix == ".pdf":
         page = page.with_suffix(".html")
@@ -24,6 +25,18 @@ def write_report(report: Report, page: Path, *, pdf: bool = False) -> tuple[Path
         from benchtool.report.pdf.document import MARK as PDF_MARK
 
         require_own(document, PDF_MARK)
+    return page, document
+
+
+def write_report(report: Report, page: Path, *, pdf: bool = False) -> tuple[Path, Path | None]:
+    """Write the page and, if asked for, the PDF beside it; the paths of both. Earlier reports are replaced.
+
+    Raises:
+        RecordingError: a file cannot be written, or a file that is not a report exists.
+    """
+    from benchtool.report.html import html_page
+
+    page, document = report_files(page, pdf=pdf)
     write_whole(page, html_page(report).encode("utf-8"))
     if not pdf:
         return page, None

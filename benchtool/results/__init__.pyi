@@ -66,6 +66,7 @@ from .runs import (
     complete_of as complete_of,
     incomplete_runs as incomplete_runs,
     is_planned as is_planned,
+    recorded_bundles as recorded_bundles,
     recorded_runs as recorded_runs,
     repeated_cases as repeated_cases,
 )

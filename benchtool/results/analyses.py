@@ -145,13 +145,11 @@ def with_numbers(findings: Mapping[str, Findings]) -> dict[str, Findings]:
 
 
 def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:
-    """Return the titles of the analyses of a steady state that lack channels, each with these."""
+    """Return the titles of the analyses that lack channels, each with these."""
     return {
         each.analysis.title: each.missing
         for each in todo
-        if each.analysis.of_steady_state
-        and each.missing
-        and (each.window.transducer is not None or not each.analysis.transducer)
+        if each.missing and (each.window.transducer is not None or not each.analysis.transducer)
     }
 
 

@@ -63,9 +63,10 @@ def verify_run(place: Path) -> Verification:
     if place.is_file():
         above = list(place.parents)[:2]
         kept = [each for each in above if any((each / name).is_file() for name in _KEPT)]
-        if not kept and (why := mistaken(place, FileKind.RUN)):
-            raise NoSuchRecording(why)
-        folder = kept[0] if kept else above[0]
+        if not kept:
+            why = f"{place} lies in no folder of a run: give that folder, or a document in it"
+            raise NoSuchRecording(mistaken(place, FileKind.RUN) or why)
+        folder = kept[0]
     integrity = verify(folder)
     damaged = dict(integrity.damaged)
     if folder != place and (name := place.relative_to(folder).as_posix()) in integrity.unlisted:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import count_of
 from benchtool.block import Channel
-from benchtool.errors import AnalysisError
+from benchtool.errors import AnalysisError, of_each
 from benchtool.profile import Bench
 from benchtool.tables.asked_columns import with_their_columns
 from benchtool.tables.cells import Cell
@@ -235,11 +235,9 @@ def _require_one_signal(table: TextTable) -> None:
 def _choose(table: TextTable, question: TableQuestion) -> dict[str, Selection]:
     """Return the time and the columns asked for, no two of them the same."""
     asked = _numbered(table, question.asked)
-    rated = {"torque": question.torque_rated_Nm}
-    chosen = {
-        what: table.select(name, {"time": "s", **QUANTITIES}[what], rated.get(what))
-        for what, name in asked.items()
-    }
+    units, rated = {"time": "s", **QUANTITIES}, {"torque": question.torque_rated_Nm}
+    found = of_each(lambda what: table.select(asked[what], units[what], rated.get(what)), asked)
+    chosen = dict(zip(asked, found, strict=True))
     for number, twice in Counter(each.number for each in chosen.values()).items():
         if twice > 1:
             which = " and ".join(what for what, each in chosen.items() if each.number == number)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from benchtool.errors import RecordingError
+from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.tables.cells import is_no_name, kind_of_word
 from benchtool.tables.first_rows import ROWS, lines_of_head
 from benchtool.tables.fit import Fit, almost_a_number, best_fit
@@ -99,7 +99,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
     if fit is None:
         seen = almost_a_number(sample)
         fewest = "at least two numbers" if timed else "numbers"
-        raise RecordingError(
+        raise NoSuchRecording(
             f"{source}: no table of numbers found{seen and f', {seen!r} is none'}; lines of {fewest} "
             f"are expected, separated by comma, semicolon, tab, | or blanks, times in seconds or as "
             f"2026-01-31 23:59:59.5: export it as such"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pyarrow import csv
 
 from benchtool.errors import NoSuchRecording, RecordingError
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.tables.attached_units import without_units
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.cut_short import without_cut_number
@@ -95,25 +96,29 @@ class TextTable:
         newline, carriage return or both.
 
         Raises:
-            RecordingError: it cannot be read, or holds no table of numbers.
+            NoSuchRecording: it is not there, or holds no table of numbers.
+            RecordingError: it cannot be read.
         """
+        if told := mistaken(path, FileKind.TABLE):
+            raise NoSuchRecording(told)
         try:
             content = path.read_bytes()
         except (OSError, ValueError) as reason:
             what = getattr(reason, "strerror", None) or reason
-            kind = NoSuchRecording if isinstance(reason, FileNotFoundError) else RecordingError
+            absent = isinstance(reason, FileNotFoundError | IsADirectoryError)
+            kind = NoSuchRecording if absent else RecordingError
             raise kind(
                 f"cannot read {path}: {what}; a text file with columns of numbers is expected: check the name"
             ) from None
         if _ANYTHING.search(content) is None:
-            raise RecordingError(f"{path} is empty, a text file with columns of numbers is expected")
+            raise NoSuchRecording(f"{path} is empty, a text file with columns of numbers is expected")
         for mark, what in _NO_TEXT.items():
             if content.startswith(mark):
-                raise RecordingError(f"{path} is {what} and no text: export it as CSV")
+                raise NoSuchRecording(f"{path} is {what} and no text: export it as CSV")
         text, encoding = _to_utf_8(content)
         sniffed = text[:_SNIFFED_BYTES]
         if len(sniffed) - len(sniffed.translate(None, _CONTROL)) > _CONTROL_OF_BINARY * len(sniffed):
-            raise RecordingError(f"{path} is binary and no text: export it as text with columns of numbers")
+            raise NoSuchRecording(f"{path} is binary and no text: export it as text with columns of numbers")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         text, added = as_columns(ascii_numbers(text))

@@ -152,7 +152,7 @@ def test_doctor_names_what_is_wrong(invoke: Invoke) -> None:
         (("run", "zhu2011/ripple", "--link", "emulated?node=5"), 3, "node 5"),
         (("info", "--link", "can:virtual:no-drive"), 3, "node 1"),
         (("analyze", "nowhere"), 2, "nowhere"),
-        (("compare", "nowhere", "elsewhere"), 2, "nowhere does not exist"),
+        (("compare", "nowhere", "elsewhere"), 2, "elsewhere does not exist"),
         (("verify", "nowhere"), 2, "nowhere does not exist"),
         (("analyze", "--csv", "nowhere.csv", "--rate", "1kHz", "--current", "i"), 2, "nowhere.csv"),
         (("run", "zhu2011/ripple", "--resume", "nowhere"), 2, "nowhere does not exist"),

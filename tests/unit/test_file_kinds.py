@@ -87,6 +87,26 @@ def test_a_misspelt_key_makes_no_other_kind(tmp_path: Path) -> None:
     assert kind_of(tmp_path) is None
 
 
+@pytest.mark.parametrize("given", [FileKind.PLAN, FileKind.PROFILE, FileKind.EDS, FileKind.MANIFEST])
+@pytest.mark.parametrize("verb", [["gauge"], ["analyze", "--time", "1", "--torque", "2", "--csv"]])
+def test_a_file_in_place_of_a_table_is_told_as_what_it_is(
+    tmp_path: Path, verb: list[str], given: FileKind
+) -> None:
+    """Its first line was said to have another number of cells than its head."""
+    path = _file(tmp_path, given)
+    told = CliRunner().invoke(app, [*verb, str(path)])
+    assert told.exit_code == 2
+    assert f"{path} is a {given}, and a table of numbers is expected: " in told.stderr
+
+
+@pytest.mark.parametrize("given", [FileKind.PLAN, FileKind.PROFILE])
+def test_a_file_in_place_of_an_eds_is_told_as_what_it_is(tmp_path: Path, given: FileKind) -> None:
+    path = _file(tmp_path, given)
+    told = CliRunner().invoke(app, ["info", "--eds", str(path)])
+    assert told.exit_code == 2
+    assert f"{path} is a {given}, and a dictionary (EDS) is expected: " in told.stderr
+
+
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     assert kind_of(tmp_path / "pipe") is None

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 
 from benchtool.drive.remote import RemoteDrive
-from benchtool.errors import BenchError, LinkError, ValueRefused, WriteNotVerified
+from benchtool.errors import BenchError, LinkError, ValueRefused, WriteNotVerified, of_each
 from benchtool.protocol import State
 from benchtool.protocol.dictionary import (
     Dictionary,
@@ -103,18 +104,28 @@ def require_settable(drive: RemoteDrive, values: Mapping[str, Value]) -> None:
     Raises:
         ValueRefused: one cannot; nothing was sent.
     """
-    variables = [parameter(drive.dictionary, name) for name in values]
-    for variable, value in zip(variables, values.values(), strict=True):
-        if not (variable.writable and variable.readable):
-            raise ValueRefused(
-                f"'{variable.name}' has access '{variable.access}', 'rw' is expected: it cannot be set; "
-                f"nothing was sent"
-            )
-        variable.encode(value)
+    variables = of_each(partial(_settable, drive.dictionary), values.items())
     _require_consistent(drive, values)
     locked = [variable.name for variable in variables if not variable.enabled_write]
     if locked:
         require_disabled(drive, f"{', '.join(locked)} can be set")
+
+
+def _settable(dictionary: Dictionary, assigned: tuple[str, Value]) -> Variable:
+    """Return the parameter of that name, which can have this value.
+
+    Raises:
+        ValueRefused: it cannot.
+    """
+    name, value = assigned
+    variable = parameter(dictionary, name)
+    if not (variable.writable and variable.readable):
+        raise ValueRefused(
+            f"'{variable.name}' has access '{variable.access}', 'rw' is expected: it cannot be set; "
+            f"nothing was sent"
+        )
+    variable.encode(value)
+    return variable
 
 
 def _related(drive: RemoteDrive, values: Mapping[str, Value]) -> list[Relation]:

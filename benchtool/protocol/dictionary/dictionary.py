@@ -16,7 +16,8 @@ from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 
-from benchtool.errors import DictionaryError, ValueRefused
+from benchtool.errors import DictionaryError, NoSuchDictionary, ValueRefused
+from benchtool.file_kinds import FileKind, mistaken
 from benchtool.protocol.dictionary.eds import read_eds
 from benchtool.protocol.dictionary.eds_objects import EdsObjects, Identity
 from benchtool.protocol.dictionary.roles import Role
@@ -43,16 +44,23 @@ class Dictionary:
         """Return the dictionary of the EDS or DCF at `path`, for a drive with this node id.
 
         Raises:
-            DictionaryError: the file cannot be read or is not an EDS.
+            NoSuchDictionary: it is not there, or no EDS.
+            DictionaryError: it cannot be read.
         """
         try:
             data = Path(path).read_bytes()
         except OSError as reason:
-            raise DictionaryError(
-                f"cannot read {path}: {reason.strerror or reason}; a readable EDS or DCF file "
+            absent = isinstance(reason, FileNotFoundError | IsADirectoryError)
+            kind = NoSuchDictionary if absent else DictionaryError
+            raise kind(
+                mistaken(Path(path), FileKind.EDS)
+                or f"cannot read {path}: {reason.strerror or reason}; a readable EDS or DCF file "
                 f"is expected: give its path"
             ) from None
-        return cls.from_bytes(data, node_id, str(path))
+        try:
+            return cls.from_bytes(data, node_id, str(path))
+        except DictionaryError as refused:
+            raise NoSuchDictionary(mistaken(Path(path), FileKind.EDS) or str(refused)) from None
 
     @classmethod
     def from_bytes(cls, data: bytes, node_id: int, source: str) -> Dictionary:

@@ -69,7 +69,7 @@ def test_other_layouts(tmp_path: Path, text: str, shape: tuple[int, ...]) -> Non
     ("text", "error", "said"),
     [
         ("", RecordingError, "has 0 lines"),
-        (HEAD, RecordingError, "has 1 lines"),
+        (HEAD, RecordingError, "has 1 line,"),
         ("a,b\n1,2\n", AnalysisError, "part, operator, mounting are expected"),
         ("part,x,y\n1,2,3\n", AnalysisError, "name it with --value"),
         (WHOLE + "1,ann,1\n", RecordingError, "line 26: 3 cells, the head has 4"),
