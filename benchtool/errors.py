@@ -43,7 +43,8 @@ from typing import Self, TypeVar
 
 MOST_REASONS = 40
 
-_Given, _Found = TypeVar("_Given"), TypeVar("_Found")
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
 
 
 class BenchError(Exception):
@@ -218,8 +219,8 @@ def of_each(find: Callable[[_Given], _Found], given: Iterable[_Given]) -> list[_
         return found
     first, *others = refused
     told = {str(first), *getattr(first, "__notes__", ())}
-    for error in others:
-        for reason in (str(error), *getattr(error, "__notes__", ())):
+    for other in others:
+        for reason in (str(other), *getattr(other, "__notes__", ())):
             if reason not in told and len(told) < MOST_REASONS:
                 first.add_note(reason)
                 told.add(reason)

@@ -103,8 +103,8 @@ def _cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]], str]:
     except csv.Error as reason:
         raise RecordingError(f"{path} cannot be read as a table: {reason}: export it again as CSV") from None
     if len(rows) < 2:
-        lines = count_of(len(rows), "line")
-        raise NoSuchRecording(f"{path} has {lines}, a head and a line for each reading are expected")
+        found = count_of(len(rows), "line")
+        raise NoSuchRecording(f"{path} has {found}, a head and a line for each reading are expected")
     (_, head), *below = rows
     for number, row in below:
         if len(row) != len(head):
