@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from benchtool.analysis import number
+from benchtool.analysis import number, undefined
 from benchtool.bench import open_session
 from benchtool.bench.wires import registry
 from benchtool.cli import live_views, options, proposals
@@ -136,6 +136,8 @@ def _show(output: Output, folder: Path, ended: Ended) -> None:
         if each.value or not each.name.startswith("link_")
     ]
     output.table("data quality", ("what", ">value", "unit"), rows)
+    for reason, names in undefined(certificate.measurements).items():
+        output.sentence(f"undefined: {', '.join(names)}: {reason}", "dim")
     output.line(f"complete: {'yes' if certificate.complete else 'no'}")
     if ended.by_hand:
         output.line(f"ended by hand after {ended.past_s:.1f} s")

@@ -151,7 +151,8 @@ def _stream(name: str, facts: StreamFacts) -> Iterator[Measurement]:
             first, last = facts.counts[signal]
             yield _count(f"{name}_{signal}_count", (last - first) % TICKS, definition)
         else:
-            yield Measurement.undefined(f"{name}_{signal}_count", "", definition, f"{signal} is not recorded")
+            reason = f"{signal} is not recorded: record it too"
+            yield Measurement.undefined(f"{name}_{signal}_count", "", definition, reason)
 
 
 def _slow_stream(report: StreamReport) -> Iterator[Measurement]:

@@ -380,3 +380,10 @@ def test_a_recording_is_exported(invoke: Invoke) -> None:
     assert Path("a-telemetry.csv").read_text(encoding="utf-8").startswith("tick,time_s [s],torque [Nm]\n")
     assert "overwrites nothing" in _refused(CliRunner().invoke(app, ("export", "a")), 3)
     assert CliRunner().invoke(app, ("export", "a", "--format", "xls")).exit_code == 2
+
+
+def test_a_count_that_is_not_known_is_told_with_its_reason(invoke: Invoke) -> None:
+    """It was a dash in the table, and nothing said why."""
+    told = invoke("--duration", "0.3", "--channels", "torque", "--out", "run").stdout
+    for name in ("adc_saturated", "law_clipped"):
+        assert f"undefined: telemetry_{name}_count: {name} is not recorded: record it too" in told

@@ -77,9 +77,10 @@ def transducer_torque(
     inside = crop_to(transducer, block)
     rows = None if track is None else _at_rows_of(track, inside, block)
     first = (inside.first_tick - transducer.first_tick) // transducer.stride
+    begin_s, end_s = (row / inside.sample_rate_Hz for row in (first, first + len(inside.data)))
     what = (
-        f"torque_transducer in its rows {first} to {first + len(inside.data) - 1} (from 0), those at tick x "
-        f"tick_s from the capture's first row to one row past its last"
+        f"torque_transducer from {raw(begin_s)} s to {raw(end_s)} s after its first row, the time of the "
+        f"capture (its rows {first} to {first + len(inside.data) - 1}, from 0)"
     )
     numbers = ripple_numbers(
         inside,

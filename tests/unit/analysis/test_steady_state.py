@@ -296,7 +296,7 @@ def test_a_definition_names_the_rows_that_were_used() -> None:
     steady = analyze(capture(), longer)
 
     for name in ("transducer_torque_ripple_pp", "transducer_torque_ripple_rms", "torque_error"):
-        found = re.search(r"in its rows (\d+) to (\d+) \(from 0\)", steady[name].definition)
+        found = re.search(r"its rows (\d+) to (\d+), from 0", steady[name].definition)
         assert found is not None
         rows = longer.column("torque_transducer")[int(found[1]) : int(found[2]) + 1]
         value = {
