@@ -80,7 +80,8 @@ def scatter_of_periods(
     square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)
     of_square = mean_over_periods(square, repeats, may_fall=True)
     squares = repeats.means(square)
-    rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines))
+    of_pace = _of_pace(samples[: rows[-1]] - rest, rest - of_mean.mean, repeats) if of_mean.of_lines else 0.0
+    rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines + of_pace))
     # noise as that of the mean moves an amplitude sqrt(2) times as much
     of_lines = 2.0 * math.sqrt(of_mean.of_lines) * of_mean.error.standard if of_mean.of_lines else 0.0
     error_of_square = replace(of_square.error, standard=math.hypot(of_square.error.standard, of_lines))
@@ -106,6 +107,18 @@ def scatter_of_periods(
     if lines is not None and _beat(lines.untold, rms, scatter.rms.standard):
         return scatter.without_sizes(_LINES_BEAT)
     return scatter.without_sizes(TOO_SLOW) if is_size_untold(of_mean.left, repeats) else scatter
+
+
+def _of_pace(lines: Floats, rest: Floats, repeats: Periods) -> float:
+    """Return the mean over time of what slow lines, shape (n,), have in common with themselves and with the
+    rest, less that over what repeats: a speed that swings with them stays longer where they are high, or low.
+
+    A drift of the pace counts in the incomplete cycles at both ends only, and is left out.
+    """
+    place = repeats.places(len(lines))
+    pace = np.gradient(place)
+    swing = pace - np.polynomial.Polynomial.fit(place, pace, 1)(place)
+    return -float(np.mean(swing * lines * (lines + 2.0 * rest))) / float(np.mean(pace))
 
 
 def _beat(untold: float, rms: float, standard: float) -> bool:
