@@ -1,8 +1,8 @@
-"""Phases beyond the first and the last one of what swings on, by the weights that foresee it within the record.
+"""Phases beyond the first and the last one of what swings on, by weights that foresee it within the record.
 
-A rotor whose speed swings once in a revolution of few periods, say, bends more from one period to the next than
-any polynomial follows, and as regularly as nothing else: linear prediction, by least squares in both
-directions of time (Marple, IEEE Transactions on Acoustics, Speech, and Signal Processing 28 (1980) 441).
+The phase of a rotor whose speed swings once in a revolution, of few periods, bends more from one period to
+the next than any polynomial follows, and always alike: linear prediction, by least squares in both directions
+of time (Marple, IEEE Transactions on Acoustics, Speech, and Signal Processing 28 (1980) 441).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _ROWS_EACH = 5  # places at least within the record, for each weight
 @dataclass(frozen=True)
 class Prediction:
     """The weights of the last `size` of all phases `phase_rad`, shape (n,), that foresee those within the
-    record best; the next one they miss by the mean square `missed2`, rad^2, and `noise2` is that of noise from
-    phase to phase."""
+    record best; the next one they miss by the mean square `missed2`, rad^2, and `noise2` is that of noise
+    from phase to phase."""
 
     phase_rad: Floats
     size: int

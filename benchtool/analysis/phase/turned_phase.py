@@ -115,8 +115,8 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
-    What a bend within a period, along the track, does to its phase is alike at both ends, but for how the bend
-    varies.
+    What a bend within a period, along the track, does to its phase is alike at both ends, but for how the
+    bend varies.
     """
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
