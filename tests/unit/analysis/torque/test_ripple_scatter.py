@@ -13,7 +13,7 @@ RATE_HZ, POLE_PAIRS, PER_REVOLUTION = 5_000.0, 2, 330
 
 @pytest.mark.parametrize("begin_rad", [0.0, 1.0, 2.5])
 def test_a_load_that_moves_the_speed_along_has_its_rms_over_time(begin_rad: float) -> None:
-    """Slower than a period are once and three times in two periods; the speed stays where the load is high."""
+    """Once and three times in two periods is slower than one; the speed stays where the load is high."""
     turned = 2 * np.pi * np.arange(30.15 * PER_REVOLUTION) / PER_REVOLUTION + begin_rad
     theta_m = turned + 0.03 * np.sin(turned + 0.2) + 0.005 * np.sin(2 * turned + 1.0)
     torque = 3.0 + np.cos(theta_m) + 0.4 * np.cos(2 * theta_m + 0.4) + 0.2 * np.cos(3 * theta_m + 1.0)
