@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from benchtool.tables.cells import BLANKS, is_number, kind_of_word
@@ -77,6 +77,11 @@ class Column:
         unit = self.other_name if _is_unit_cell(self.other_name) else _unit_in(self.other_name)
         return replace(self, name=self.other_name, unit=unit, other_name="")
 
+    def also_called(self, names: Iterable[str]) -> Column:
+        """Return the column with further names that other lines of the head have for it."""
+        known = (self.name, self.other_name, *self.aliases)
+        return replace(self, aliases=(*self.aliases, *(each for each in names if each not in known)))
+
     @property
     def bare_name(self) -> str:
         """The name without the unit behind it."""
@@ -133,6 +138,14 @@ def columns_of(
         return ()
     if is_labelled:
         return _labelled(found)
+    others = [line for line in found if _are_plain(line) and not are_units(line)]
+    return tuple(
+        column.also_called(line[place] for line in others) for place, column in enumerate(_columns(found))
+    )
+
+
+def _columns(found: Sequence[list[str]]) -> tuple[Column, ...]:
+    """Return the columns that lines of names and units name, the last line first."""
     found = _without_descriptions(found)
     is_names_below = len(found) > 1 and are_units(found[1]) and _are_bare_words(found[0])
     if is_names_below and len(found) > 2 and _are_names(found[2]):
@@ -156,11 +169,16 @@ def columns_of(
 def _named(names: Sequence[str], units: Sequence[str], others: Sequence[Sequence[str]]) -> tuple[Column, ...]:
     """Return columns by their names and units, and other lines that name them as well."""
     # a title with commas is none
-    lines = [line for line in others if all(each and " " not in each for each in line)]
+    lines = list(filter(_are_plain, others))
     return tuple(
         Column(name, unit.strip("()[] "), aliases=tuple(line[place] for line in lines if line[place]))
         for place, (name, unit) in enumerate(zip(names, units, strict=True))
     )
+
+
+def _are_plain(cells: Sequence[str]) -> bool:
+    """Return whether a line has one word for each column, none a number."""
+    return all(each and " " not in each and not has_number(each) for each in cells)
 
 
 def _without_descriptions(found: Sequence[list[str]]) -> list[list[str]]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 _MOST_SIGNALS, _FEWEST_CYCLES = 64, 4
 _OF_A_SECOND = (1e3, 1e6, 1e9)
+_FLAGS = tuple(map(frozenset, (("true", "false"), ("on", "off"), ("yes", "no"), ("high", "low"))))
 
 
 def signal_column(rows: Sequence[Sequence[str]], numeric: Sequence[bool]) -> int:
@@ -28,6 +29,8 @@ def signal_column(rows: Sequence[Sequence[str]], numeric: Sequence[bool]) -> int
 def _cycle(cells: Sequence[str]) -> int:
     """Return how many different cells follow each other in each cycle, 0 if they do not."""
     count = len(set(cells))
+    if frozenset(map(str.lower, set(cells))) in _FLAGS:  # a signal of its own, such as a clock
+        return 0
     if not 2 <= count <= _MOST_SIGNALS or len(cells) < _FEWEST_CYCLES * count or not all(cells):
         return 0
     # a sample has lines of several places of the file, between which a cycle is cut

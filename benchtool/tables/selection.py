@@ -195,6 +195,12 @@ def _find(path: Path, layout: Layout, wanted: str) -> int | None:
     return None
 
 
+def _called(column: Column) -> str:
+    """Return the name of a column, and what further lines of the head call it."""
+    others = " or ".join(f"'{alias}'" for alias in column.aliases)
+    return f"'{column.name}' ({others})" if others else f"'{column.name}'"
+
+
 def listed(layout: Layout) -> str:
     """Return what the columns are called, for a message."""
     columns = layout.columns
@@ -202,6 +208,6 @@ def listed(layout: Layout) -> str:
         head = f" (its head '{layout.head:.40}' is not of {len(columns)} cells)" if layout.head else ""
         separated = {"\t": "tabs", " ": "blanks"}.get(layout.delimiter, f"'{layout.delimiter}'")
         return f"it has no names{head}, and columns 1 to {len(columns)} separated by {separated}"
-    listed = [f"{number} '{column.name}'" for number, column in enumerate(columns[:20], 1)]
+    listed = [f"{number} {_called(column)}" for number, column in enumerate(columns[:20], 1)]
     more = f" and {len(columns) - 20} more" if len(columns) > 20 else ""
     return f"it has {', '.join(listed)}{more}"

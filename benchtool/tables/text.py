@@ -17,6 +17,7 @@ from pyarrow import csv
 from benchtool.errors import NoSuchRecording, RecordingError
 from benchtool.file_kinds import FileKind, mistaken
 from benchtool.tables.attached_units import without_units
+from benchtool.tables.broken_names import with_whole_names
 from benchtool.tables.cells import BLANKS, Cell, ascii_numbers, kind_of_word, numbers_of
 from benchtool.tables.cut_short import without_cut_number
 from benchtool.tables.grouping import Use, use_of
@@ -121,11 +122,12 @@ class TextTable:
             raise NoSuchRecording(f"{path} is binary and no text: export it as text with columns of numbers")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        text, joined = with_whole_names(text)
         text, added = as_columns(ascii_numbers(text))
         text, units = without_units(text)
         layout = find_layout(text, str(path), decimal, timed=timed).with_units(units)
         text = without_cut_number(text, layout)
-        table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added), text)
+        table = cls(path, encoding, replace(layout, head_lines=layout.head_lines - added + joined), text)
         return table._settled() if table.layout.is_open and not decimal else table
 
     @property

@@ -92,3 +92,48 @@ def test_names_in_quotation_marks_between_blanks(tmp_path: Path) -> None:
     path = tmp_path / "table.txt"
     path.write_text('"time s" "phase current" T\n' + ROWS.replace(";", " "), encoding="utf-8")
     assert TextTable.open(path).select("phase current", "A").number == 2
+
+
+@pytest.mark.parametrize(
+    ("head", "columns"),
+    [
+        ("Labels;Ia;torque\nTIME;CH1;CH2\n", {"TIME": 1, "CH1": 2, "Ia": 2, "CH2": 3, "torque": 3}),
+        ("Labels;Ia;\nTIME;CH1;TIME\n", {"CH1": 2, "Ia": 2}),
+        ("Ia;T;n\nCH1;CH2;CH3\nA;Nm;rpm\n", {"Ia": 1, "CH1": 1, "CH3": 3, "n": 3}),
+    ],
+)
+def test_a_column_has_the_names_of_every_line(tmp_path: Path, head: str, columns: dict[str, int]) -> None:
+    """The labels of an oscilloscope's channels were no names of theirs, or the only ones."""
+    found = table(tmp_path, head)
+    for name, number in columns.items():
+        kind = "s" if name == "TIME" else "rad/s" if number == 3 and name in ("CH3", "n") else "Nm"
+        wanted = f"{name}:{kind}"
+        assert found.select(wanted, kind).number == number
+        assert found.select(wanted, kind).name == name
+
+
+def test_names_that_repeat_are_asked_for(tmp_path: Path) -> None:
+    found = table(tmp_path, "Labels;Ia;\nTIME;CH1;TIME\n")
+    with pytest.raises(AnalysisError, match=r"2 columns 'TIME', with the numbers 1, 3"):
+        found.select("TIME", "s")
+    with pytest.raises(AnalysisError, match=r"2 'Ia' \('CH1'\)"):
+        found.select("foo", "s")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_names_over_several_lines_are_whole(tmp_path: Path, end: str) -> None:
+    """A spreadsheet writes line ends within quotes: the head had no names."""
+    head = '"Time\n[ms]";"Phase\ncurrent\n[mA]";Torque [mNm]\n'
+    (tmp_path / "table.csv").write_bytes((head + ROWS).replace("\n", end).encode())
+    found = TextTable.open(tmp_path / "table.csv")
+    assert found.select("Phase current", "A").unit == "mA"
+    assert [each.unit for each in found.layout.columns] == UNITS
+    assert found.layout.head_lines == 4
+
+
+def test_quotes_about_cells_of_rows_join_no_lines(tmp_path: Path) -> None:
+    rows = "".join(f'"{row / 8:.3f}";"{math.sin(row):.3f}"\n' for row in range(64))
+    (tmp_path / "table.csv").write_text(f'"t";"I, phase ""a"""\n{rows}', encoding="utf-8")
+    found = TextTable.open(tmp_path / "table.csv")
+    selected = [found.select("t:s", "s"), found.select("#2:A", "A")]
+    assert len(found.rows(selected).data) == 64

@@ -38,6 +38,15 @@ def test_a_column_that_counts_beside_a_time_that_goes_on_is_no_name_of_signals(t
     assert analyze_table(TableQuestion(path, "time", {"torque": "value"})).measurements
 
 
+@pytest.mark.parametrize("words", [("True", "False"), ("on", "off")])
+def test_a_flag_that_changes_with_every_row_is_no_name_of_signals(
+    tmp_path: Path, words: tuple[str, str]
+) -> None:
+    rows = [f"{t},{words[row % 2]},{value}" for row, (t, value) in enumerate(zip(TIMES, VALUES, strict=True))]
+    path = write(tmp_path, "time [s],sync,value [mNm]", *rows)
+    assert TextTable.open(path).layout.signals == 0
+
+
 @pytest.mark.parametrize("where", ["beside", "settings", "below"])
 def test_a_unit_beside_or_below_the_numbers_keeps_si_from_being_assumed(tmp_path: Path, where: str) -> None:
     settings = {3: "Vertical Units,mA,", 5: "Horizontal Units,s,"}
