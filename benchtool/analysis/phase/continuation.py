@@ -19,8 +19,10 @@ FEWEST = 5
 _DEGREES_AND_SIZES = ((2, 7), (2, 5), (3, 4))  # for noise, for both, and for what bends fast
 _CLOSER = ((5, 6), (7, 8))  # for what swings within few periods, within half of one
 _FEWEST_MISSED = 3
+_REACH = 3  # periods: to where an end of the record may be, and one to spare
 _LOWEST, _HIGHEST = 4, 10  # orders of the differences that noise is told by
-_CLEARLY_LESS = 0.5  # of a power, by a higher order, or by a prediction
+_CLEARLY_LESS = 0.5  # of a power, by a higher order
+_BY_FAR = 0.1  # of a power, by a prediction: a line between harmonics moves phases, too, and by little
 _FEW, _AS_ONE = 16, 2.0  # periods; fourth differences
 _BY_CHANCE = 0.025  # to either side
 
@@ -37,6 +39,11 @@ class Continuation:
     size: int
     missed2: float
     noise2: float
+
+    @property
+    def reach(self) -> int:
+        """How many periods it goes on before it departs."""
+        return _REACH
 
     def weights(self, by: float) -> NDArray[np.float64]:
         """Return the weights of the last phases, shape (size,), in the phase `by` periods after the last."""
@@ -58,7 +65,7 @@ def continuation(
     phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64] | None = None, *, closer: bool = False
 ) -> Continuation | Prediction:
     """Return the one that misses the least of phases, shape (n,) with n of at least `FEWEST`, from either
-    side: a polynomial, unless a prediction by what swings within the record misses clearly less.
+    side: a polynomial, unless a prediction by what swings within the record misses far less.
 
     Noise moves the `amplitude` of the periods, relative to its mean, shape (n,), as it moves the phase: of
     few periods both tell it together, where they do not differ by more than chance. Polynomials of higher
@@ -72,7 +79,7 @@ def continuation(
     found = [_tried(phase_rad, *each, noise2) for each in kinds or [(2, min(5, count - 1))]]
     best = min(found, key=lambda each: each.missed2)
     swinging = prediction(phase_rad, noise2)
-    if swinging is not None and swinging.missed2 < _CLEARLY_LESS * best.missed2:
+    if swinging is not None and swinging.missed2 < _BY_FAR * best.missed2:
         return swinging
     return best
 

@@ -30,7 +30,6 @@ from benchtool.analysis.phase.wander import Wander, wander
 
 _LEFT_RAD = 3e-6  # rms: once followed, closer, because a period that is off by x reads its phase off by x / 2
 _FAR_OFF_RAD = 0.05
-_BEYOND = 3  # periods: to where an end of the record may be, and one to spare
 _ROUNDS = 3
 _ASIDE = 10  # share of the periods at either end that alone does not justify following
 _BELOW_ORDER = 3
@@ -285,7 +284,7 @@ def _extended(
     """Return sample numbers and phases, both of shape (periods,), continued at either end: a natural spline
     is straight at its ends, which are then beyond the record."""
     going_on = continuation(phase_rad, closer=True)
-    steps = np.arange(1.0, _BEYOND + 1.0)
+    steps = np.arange(1.0, going_on.reach + 1.0)
     weights = np.array([going_on.weights(by) for by in steps])
     before, after = weights @ phase_rad[: going_on.size][::-1], weights @ phase_rad[-going_on.size :]
     return (

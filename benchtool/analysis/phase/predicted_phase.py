@@ -7,17 +7,22 @@ of time (Marple, IEEE Transactions on Acoustics, Speech, and Signal Processing 2
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy import fft
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+
+from benchtool.analysis.spectral_window import spectral_window
 
 Floats = NDArray[np.float64]
 
 _DEGREE = 2  # of phases that are foreseen exactly: a speed that drifts
 _SIZES = (5, 7, 10, 14)
-_TAPS, _SHAPE = 8, 6.0  # to either side of a place between phases, of a sinc under Kaiser's window
+_TAPS = 8  # to either side of a place between phases
+_REACH = 8  # periods
 _ROWS_EACH = 5  # places at least within the record, for each weight
 
 
@@ -31,6 +36,11 @@ class Prediction:
     size: int
     missed2: float
     noise2: float
+
+    @property
+    def reach(self) -> int:
+        """How many periods it goes on, as far as a natural spline that ends there bends another way."""
+        return _REACH
 
     def weights(self, by: float) -> Floats:
         """Return the weights of the last phases, shape (size,), in the phase `by` periods after the last."""
@@ -58,31 +68,51 @@ def _foreseen(phase_rad: Floats, size: int, by: float) -> tuple[Floats, float]:
     powers = np.vander(np.arange(size) - (size - 1.0), _DEGREE + 1)
     polynomial = np.vander([by], _DEGREE + 1)[0] @ np.linalg.pinv(powers)
     differences = np.diff(np.eye(size), _DEGREE + 1, axis=0)
+    later, error2 = _later(phase_rad, by)
     missed, bends = [], []
-    for phases in (phase_rad, phase_rad[::-1]):
-        before, after = _with_later(phases, size, by)
-        missed.append(after - before @ polynomial)
+    for phases, after in ((phase_rad, later[0]), (phase_rad[::-1], later[1])):
+        last = np.flatnonzero(np.isfinite(after[size - 1 :])) + size - 1
+        before = sliding_window_view(phases, size)[last - size + 1]
+        missed.append(after[last] - before @ polynomial)
         bends.append(before @ differences.T)
     missing, bend = np.concatenate(missed), np.concatenate(bends)
     shares = np.asarray(np.linalg.lstsq(bend, missing, rcond=None)[0])
     left2 = float(np.mean(np.square(missing - bend @ shares)))
     rows, told = len(missed[0]), len(shares)  # both directions are of the same phases
-    return polynomial + shares @ differences, left2 * (rows + told) / (rows - told)
+    return polynomial + shares @ differences, left2 * (rows + told) / (rows - told) + error2
 
 
-def _with_later(phase_rad: Floats, size: int, by: float) -> tuple[Floats, Floats]:
-    """Return `size` phases each, shape (rows, size), and the one `by` periods after them, shape (rows,)."""
-    windows, whole = sliding_window_view(phase_rad, size), int(np.floor(by))
-    if by == whole:
-        return windows[: len(phase_rad) - size + 1 - whole], phase_rad[size - 1 + whole :]
-    place = np.arange(len(phase_rad), dtype=np.float64)
+def _later(phase_rad: Floats, by: float) -> tuple[tuple[Floats, Floats], float]:
+    """Return what the phase is `by` periods after each and, from the last on, before each, both of shape (n,)
+    and nan where the record does not tell it, and the mean square error of that, rad^2."""
+    count, whole = len(phase_rad), math.floor(by)
+    place = np.arange(count, dtype=np.float64)
     smooth = np.polynomial.Polynomial.fit(place, phase_rad, _DEGREE + 1)
-    taps = np.arange(1 - _TAPS, _TAPS + 1) - (by - whole)
-    kernel = np.sinc(taps) * np.i0(_SHAPE * np.sqrt(np.maximum(0.0, 1.0 - (taps / _TAPS) ** 2)))
-    kernel /= np.sum(kernel)
-    swings = sliding_window_view(phase_rad - smooth(place), 2 * _TAPS)
-    # the first value lies between the phases _TAPS - 1 and _TAPS
-    last = np.arange(len(swings)) + _TAPS - 1 - whole
-    kept = (last >= size - 1) & (last < len(phase_rad))
-    at = last[kept]
-    return windows[at - size + 1], (swings @ kernel)[kept] + smooth(at + by)
+    swings = phase_rad - smooth(place)
+    kernel, error2 = _kernel(swings, by - whole) if by > whole else (np.ones(1), 0.0)
+    taps = len(kernel) // 2  # to either side of the place; the first value lies after phase taps - 1
+    first = max(0, taps - 1)
+    found = []
+    for values, direction in ((swings, 1.0), (swings[::-1], -1.0)):
+        later = np.full(count, np.nan)
+        between = sliding_window_view(values, len(kernel)) @ kernel
+        last = np.arange(len(between)) + first - whole
+        kept = last >= 0
+        at = last[kept] + by
+        later[last[kept]] = between[kept] + smooth(at if direction > 0.0 else count - 1.0 - at)
+        found.append(later)
+    return (found[0], found[1]), error2
+
+
+def _kernel(swings: Floats, fraction: float) -> tuple[Floats, float]:
+    """Return the weights of the phases around a place that interpolate what has the spectrum of swings, shape
+    (n,), best, and the mean square of what they miss of it, rad^2."""
+    window = spectral_window("hann", len(swings))
+    power = np.abs(fft.rfft(swings * window)) ** 2 * (2.0 / len(swings) / float(window @ window))
+    away = np.arange(1 - _TAPS, _TAPS + 1) - fraction
+    turned = np.exp(2j * np.pi * np.outer(fft.rfftfreq(len(swings)), away))
+    size = np.sqrt(power)
+    basis = np.concatenate([size[:, np.newaxis] * turned.real, size[:, np.newaxis] * turned.imag])
+    sought = np.concatenate([size, np.zeros(len(size))])
+    kernel = np.asarray(np.linalg.lstsq(basis, sought, rcond=None)[0])
+    return kernel, float(np.sum(np.square(basis @ kernel - sought)))

@@ -13,6 +13,7 @@ from benchtool.analysis.noise.converter_lines import aliased_quantisation
 from benchtool.analysis.noise.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.continuation import FEWEST, continuation
+from benchtool.analysis.phase.followed_swing import off_swing_rad
 from benchtool.analysis.phase.settling_phase import settling_phase
 from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.statistics.scatter import MeanError
@@ -27,7 +28,8 @@ _OF_FOLDED = 0.6 / math.sqrt(2.0)  # cycles over the record, of a line a bin awa
 _LEAKS = 4.0  # times the power under a Hann window: what the rectangular one leaks, beyond chance
 _AT_ENDS = 4  # periods
 _AGREE = 3.0  # standard uncertainties of a difference
-_WITHIN = 1.0 / 24.0  # of a bend, by which a mean over a period is off its middle
+# of a bend: a mean over a period is a 24th off its middle, and half of that is left
+_WITHIN = 1.0 / 48.0
 
 
 @dataclass(frozen=True)
@@ -115,15 +117,18 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """Return the phase of a followed tone from the first to the last row, and its standard uncertainty, rad.
 
     The phases of periods reach to half a period from there, or one and a half: the rest is a continuation.
-    What a bend within a period, along the track, does to its phase is alike at both ends, but for how the
-    bend varies.
+    What a bend within a period does to its phase is alike at both ends, but for how the bend varies. A track
+    that follows is a cubic spline, through one phase in each period.
     """
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
     phase_rad = track.at(marks) + seen.phase_rad
     middle = float(np.mean(seen.amplitude))
     going_on = continuation(phase_rad, seen.amplitude / middle if middle > 0.0 else None)
-    within_rad = _WITHIN * float(np.std(np.diff(seen.phase_rad, n=2)))
+    if track.follows_signal:
+        within_rad = off_swing_rad(phase_rad)
+    else:
+        within_rad = _WITHIN * float(np.std(np.diff(phase_rad, n=2)))
     before, after = (rows / per_period for rows in (float(marks[0]), track.samples - 1.0 - float(marks[-1])))
     left2 = seen.noise_rad**2
     if track.departure is not None:
