@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettings, Quantity
 from benchtool.analysis.distributions import students_deviation
+from benchtool.analysis.flux.radius_as_read import radius_as_read
 from benchtool.analysis.flux.radius_errors import (
     FINE,
     error_of_mean,
@@ -240,16 +241,19 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
         slow = SlowRipple.over(radius, Periods(np.append(begins, len(radius)), "revolutions"))
         tails = Tails.of(radius, begins, flux.counts)
         scatter = extremes_of_ripple(radius, slow.mean.left, begins, tails, slow=slow)
-    text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2); grows with the duration"
-    of_both = Contribution("resolution", "B", flux.steps.of_span(step))
+    text = "maximum minus minimum of sqrt(psi_alpha^2 + psi_beta^2)"
+    larger = radius_as_read(flux.path, flux.without(), flux.circle, len(begins), step)
+    if step:
+        text = f"{text}, less the {larger.mean:.2g} Wb that steps of {step:.3g} Wb add"
+    of_both = Contribution("resolution", "B", larger.standard)
     extremes = MeanError(scatter, _DOF_OF_EXTREMES)
     between = between_samples(radius, flux.turns)
     missed = Contribution(BETWEEN, "B", 0.0 if between is None else between.error_of(np.ptp))
     by = "scatter of the extremes, by those of"
     yield flux.number(
         "flux_radius_pp",
-        text,
-        span,
+        f"{text}; grows with the duration",
+        max(0.0, span - larger.mean),
         extremes,
         of_both,
         missed,
@@ -272,6 +276,7 @@ def _of_radius(flux: _Revolutions) -> Iterator[Measurement]:
     if untold and not flux.reason:
         yield Measurement.undefined(name, "Wb", text, untold, flux.basis)
     else:
+        resolved = Contribution("resolution", "B", flux.steps.of_rms(rms))
         yield flux.number(name, text, rms, of_rms, resolved, own_mean, of_centre, content=Power())
 
 
@@ -304,7 +309,7 @@ def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
     )
     length, bias, along = length_of_mean(sixth, flux.after, flux.of_sixth if flux.are_few else None)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_two = Contribution("resolution", "B", flux.steps.of_sixth)
+    of_two = Contribution("resolution", "B", flux.steps.of_sixth(complex(np.mean(sixth)), flux.begin_rad))
     yield flux.number("flux_radius_order_6", text, length, along, by_scatter, _grows(sixth, apart), of_two)
 
 
@@ -338,7 +343,9 @@ FLUX_TRAJECTORY: Final = Analysis(
     measure=_measure_trajectory,
     quantities=(
         Quantity(("flux_radius_mean",), "Wb", "mean of `sqrt(psi_alpha^2 + psi_beta^2)`, peak"),
-        Quantity(("flux_radius_pp",), "Wb", "its maximum minus minimum"),
+        Quantity(
+            ("flux_radius_pp",), "Wb", "its maximum minus minimum, without what steps of a converter add"
+        ),
         Quantity(
             ("flux_radius_rms",), "Wb", "its rms about the mean, in steps of q without their `q^2 / 12`"
         ),

@@ -239,3 +239,24 @@ def test_a_radius_that_swings_slowly_has_its_extremes_in_every_record() -> None:
         found.append((span.value, span.uncertainty.standard))
     values, stated = np.array(found).T
     assert 0.5 < np.median(stated) / np.std(values, ddof=1) < 2.0
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.3])
+def test_steps_make_the_extremes_of_a_radius_larger_and_its_hexagon_another(noise: float) -> None:
+    """In steps, of both coordinates: the noise is a part of one."""
+    random, errors = np.random.default_rng(3), []
+    angle = _turns(20.3)
+    for radius in 0.12 + 1e-3 * random.uniform(-1.0, 1.0, 12):
+        step = 1.2e-3
+        psi = radius * np.exp(1j * angle) + 0.003 * np.exp(-5j * angle)
+        psi += noise * step * (random.standard_normal(ROWS) + 1j * random.standard_normal(ROWS))
+        read = step * (np.round(psi.real / step) + 1j * np.round(psi.imag / step))
+        truth = {"flux_radius_pp": float(np.ptp(np.abs(psi))), "flux_radius_order_6": 0.003}
+        found = {name: _number(read, name) for name in truth}
+        standards = [each.uncertainty.standard for each in found.values() if each.uncertainty is not None]
+        errors.append(
+            [(found[name].value - truth[name]) / u for name, u in zip(truth, standards, strict=True)]
+        )
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert np.all(rms < 1.6)
+    assert np.all(rms > 0.3)
