@@ -144,14 +144,38 @@ def converter_step(samples: Floats) -> float:
 
 def _beyond_around(samples: Floats, *, of_course: bool = False) -> Floats:
     """Return how far each sample, shape (n,), is beyond what is around, or beyond the course there, alone or
-    as one of two; at the ends that is continued as in a mirror."""
+    as one of two.
+
+    At the ends that is continued as in a mirror, and along the line there: at the foot of a slope the first
+    sample is beyond all others, and beyond those in the mirror too.
+    """
     around = _LINE + _LONGEST
     if len(samples) <= around:
         return np.zeros(len(samples))
     mirrored = np.pad(samples, around, mode="reflect")
+    beyond = _beyond_alone_or_of_two(mirrored, of_course)
+    sloping = np.concatenate([_before(samples), samples[: 2 * around]])
+    begin = _beyond_alone_or_of_two(sloping, of_course)[around : 2 * around]
+    sloping = np.concatenate([samples[-2 * around :], _before(samples[::-1])[::-1]])
+    end = _beyond_alone_or_of_two(sloping, of_course)[-2 * around : -around]
+    beyond = beyond[around : len(samples) + around]
+    beyond[:around] = np.minimum(beyond[:around], begin)
+    beyond[-around:] = np.minimum(beyond[-around:], end)
+    return beyond
+
+
+def _before(samples: Floats) -> Floats:
+    """Return what is before the first of samples, shape (n,), where they go on along the line through the
+    medians behind the first, as many as are around: turned about where that line begins."""
+    near, further = (float(np.median(samples[at : at + _REACH])) for at in (1, 1 + _REACH))
+    begin = near - (further - near) * (1 + _REACH // 2) / _REACH
+    return np.asarray(2.0 * begin - samples[_LINE + _LONGEST : 0 : -1])
+
+
+def _beyond_alone_or_of_two(samples: Floats, of_course: bool) -> Floats:
     of = _courses if of_course else _levels
-    beyond = [_beyond(mirrored, length, of) for length in range(1, _LONGEST + 1)]
-    return np.asarray(np.maximum.reduce(beyond)[around : len(samples) + around])
+    beyond = [_beyond(samples, length, of) for length in range(1, _LONGEST + 1)]
+    return np.asarray(np.maximum.reduce(beyond))
 
 
 def _beyond(samples: Floats, length: int, of: Callable[[Floats, int], tuple[Floats, Floats]]) -> Floats:

@@ -71,3 +71,14 @@ def ringing(corner: float, damping: float, late: float) -> np.ndarray:
 def stepped(samples: np.ndarray) -> Step:
     reference = np.where(np.arange(2000.0) >= 200.0, 1.0, 0.0)
     return find_step(Block.from_arrays(1e4, {"y": "Nm", "r": "Nm"}, y=samples, r=reference), "y", "r")
+
+
+def test_the_first_sample_of_a_slope_is_no_click_and_one_that_is_far_off_it_is() -> None:
+    random = np.random.default_rng(8)
+    for begins in random.uniform(0.0, 2.0 * np.pi, 40):
+        clear = 5.0 * np.cos(0.0314 * np.arange(2000.0) + begins) + 0.01 * random.standard_normal(2000)
+        assert without_clicks(clear)[1] == 0
+        for row in (0, 1, len(clear) - 1):
+            samples = clear.copy()
+            samples[row] += 1.0
+            assert without_clicks(samples)[0][row] == pytest.approx(clear[row], abs=0.4)
