@@ -13,7 +13,7 @@ from benchtool.analysis.lines.course import FEWEST_TURNS, change_over_record, re
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.steady_departure import steady_departure
 from benchtool.analysis.phase.turned_phase import Turned
-from benchtool.analysis.phase.wander import Wander
+from benchtool.analysis.phase.wander import Wander, beyond_noise
 from benchtool.analysis.quantisation.counted_line import line_through_counts, of_slow_beats
 from benchtool.analysis.quantisation.resolution import largest_even_step
 from benchtool.analysis.statistics.scatter import error_of_series
@@ -63,7 +63,7 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
         elif not track.resolution_rad > 0.0:
             # slow noise is more than it seems in few rows: ends are better of a computed angle alone
             noise = _by_ends(track, measured_rad, seen).budget[0]
-            if noise.standard < _COMPUTED_RAD:
+            if max(noise.standard, _between_rows_rad(track.measured_rad)) < _COMPUTED_RAD:
                 found = Turned(float(measured_rad[-1] - measured_rad[0]), (noise,), noise.name)
     turned = _with_half(found, may_be_rad, may_be_rad)
     result = turned
@@ -71,7 +71,20 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
         result = _with_departure(turned, track, seen, measured_rad - smooth_rad)
     if result is turned and track.resolution_rad > 0.0:
         result = _with_tone(result, by_tone)
+    elif result is turned and by_tone is not None and track.departure is None and _shows_turns(track):
+        beside = beyond_noise(_beside_angle(track, seen, measured_rad - smooth_rad), seen.amplitude)
+        result = turned.with_either(by_tone, beside.excess_rad)
     return _with_half(result, within_rad, may_be_rad)
+
+
+def _between_rows_rad(measured_rad: Floats) -> float:
+    """Return the noise of an angle, rms, by how it is thrown back from row to row, all over the record.
+
+    Neighbouring second differences have a covariance of -4 times the variance of white noise. A jump, as of
+    an angle that is set anew in each revolution, goes there and not on; that of a speed goes on.
+    """
+    bends = np.diff(measured_rad, 2)
+    return 0.5 * math.sqrt(max(0.0, -float(np.mean(bends[1:] * bends[:-1]))))
 
 
 def _with_half(turned: Turned, more_rad: float, may_be_rad: float) -> Turned:
@@ -109,15 +122,22 @@ def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: 
 
     `angle_rad` is what the angle departs from the track that the signal was seen along, shape (n,).
     """
-    periods = len(seen.phase_rad)
-    edges = FIRST_ROW + rows_of(track, periods) / periods * np.arange(periods + 1)
-    first = np.round(edges).astype(np.int64)
-    along_rad = np.add.reduceat(angle_rad[: first[-1]], first[:-1]) / np.diff(first)
-    half_rad = _HALF * track.periods * steady_departure(seen.phase_rad - along_rad, seen.amplitude)
+    beside_rad = _beside_angle(track, seen, angle_rad)
+    half_rad = _HALF * track.periods * steady_departure(beside_rad, seen.amplitude)
     if not _HALF * _BEYOND * turned.standard < abs(half_rad):
         return turned
     line = Contribution("steady departure of the signal from the angle", "B", abs(half_rad))
     return Turned(turned.phase_rad + half_rad, (*turned.budget, line), f"{turned.source}, and {line.name}")
+
+
+def _beside_angle(track: PhaseTrack, seen: Wander, angle_rad: Floats) -> Floats:
+    """Return the phase of the signal in each period beside that of the angle, which is `angle_rad`, shape
+    (n,), beside the track."""
+    periods = len(seen.phase_rad)
+    edges = FIRST_ROW + rows_of(track, periods) / periods * np.arange(periods + 1)
+    first = np.round(edges).astype(np.int64)
+    along_rad = np.add.reduceat(angle_rad[: first[-1]], first[:-1]) / np.diff(first)
+    return np.asarray(seen.phase_rad - along_rad)
 
 
 def tells_its_turn(track: PhaseTrack) -> bool:

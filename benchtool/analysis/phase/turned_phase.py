@@ -56,6 +56,21 @@ class Turned:
         budget += [replace(each, standard=share * each.standard) for each in other.budget]
         return Turned(self.phase_rad + share * apart_rad, tuple(budget), f"{self.source}, and {other.source}")
 
+    def with_either(self, other: Turned, excess_rad: float) -> Turned:
+        """Return the mean of both as of `with_other`; halfway between them where they differ by more than
+        chance, or one moves about the other by an excess, rms, beyond noise: each is as likely wrong.
+
+        From one end to the other that excess is sqrt(2) times as much.
+        """
+        apart_rad, both = other.phase_rad - self.phase_rad, math.hypot(self.standard, other.standard)
+        size_rad = 0.5 * max(abs(apart_rad), math.sqrt(2.0) * excess_rad)
+        agree = abs(apart_rad) < _AGREE * both and not (excess_rad and size_rad > self.standard)
+        if agree or not math.isfinite(both):
+            return self.with_other(other)
+        halfway = Contribution("departure of the signal from the angle", "B", size_rad)
+        source = f"{self.source}, and {halfway.name}"
+        return Turned(self.phase_rad + 0.5 * apart_rad, (*self.budget, halfway), source)
+
 
 def turned_by_tone(
     spectrum: CoherentSpectrum, track: PhaseTrack, seen: Wander, step: float, beside_rad: float

@@ -56,6 +56,16 @@ class Wander:
         return replace(self, phase_rad=self.phase_rad[:periods], amplitude=self.amplitude[:periods])
 
 
+@dataclass(frozen=True)
+class BeyondNoise:
+    """How far phases of periods deviate, rms, beyond what noise does; 0 where noise does as much `by_chance`,
+    the probability of that. `noise_rad` is what it does to one of them."""
+
+    excess_rad: float
+    noise_rad: float
+    by_chance: float
+
+
 def wander(coherent: CoherentSamples) -> Wander:
     """Return the phase and amplitude of the fundamental in each period."""
     table = coherent.values.reshape(coherent.periods, coherent.per_period)
@@ -71,25 +81,34 @@ def wander(coherent: CoherentSamples) -> Wander:
     middle = float(np.mean(amplitude))
     if not middle > 0.0:
         return Wander(phase_rad, amplitude, math.inf, math.inf)
-    of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
+    of_amplitude = float(np.var(amplitude)) / middle**2
     if of_amplitude > _OF_NOISE**2 and _are_unrelated(phasor):
         return Wander(phase_rad, amplitude, 0.0, math.sqrt(of_amplitude))
-    excess, by_chance = 0.0, 1.0
-    if len(phasor) >= _FEWEST_PERIODS:
-        if len(phasor) >= _FEWEST_ABOUT_A_LINE:
-            of_amplitude = _about_a_line(amplitude) / middle**2
-        by_chance = _by_chance(phase_rad, of_amplitude) if of_phase > of_amplitude else 1.0
-        excess = math.sqrt(of_phase - of_amplitude) if by_chance < _BY_CHANCE else 0.0
+    beyond = beyond_noise(phase_rad, amplitude)
     jump_rad = _jump_rad(steps)
     return Wander(
         phase_rad,
         amplitude,
-        excess,
-        math.sqrt(of_amplitude),
+        beyond.excess_rad,
+        beyond.noise_rad,
         jump_rad,
         jump_rad > 0.0 and _jumps_alone(steps, amplitude),
-        is_doubted=_BY_CHANCE <= by_chance < _DOUBTED,
+        is_doubted=_BY_CHANCE <= beyond.by_chance < _DOUBTED,
     )
+
+
+def beyond_noise(phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64]) -> BeyondNoise:
+    """Return how far the phase of a fundamental moves about a track beyond what noise does, which moves the
+    amplitude alike; phase and amplitude in each period, shape (periods,)."""
+    middle = float(np.mean(amplitude))
+    of_phase, of_amplitude = float(np.var(phase_rad)), float(np.var(amplitude)) / middle**2
+    excess, by_chance = 0.0, 1.0
+    if len(phase_rad) >= _FEWEST_PERIODS:
+        if len(phase_rad) >= _FEWEST_ABOUT_A_LINE:
+            of_amplitude = _about_a_line(amplitude) / middle**2
+        by_chance = _by_chance(phase_rad, of_amplitude) if of_phase > of_amplitude else 1.0
+        excess = math.sqrt(of_phase - of_amplitude) if by_chance < _BY_CHANCE else 0.0
+    return BeyondNoise(excess, math.sqrt(of_amplitude), by_chance)
 
 
 def _in_the_middle(phasor: NDArray[np.complex128], size: int) -> NDArray[np.complex128]:

@@ -13,6 +13,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import (
+    FIRST_ROW,
     CoherentSamples,
     CoherentSpectrum,
     coherent_samples,
@@ -208,14 +209,38 @@ def test_a_swing_slower_than_the_record_is_the_rotors_or_its_sensors() -> None:
     angle = np.asarray(LINEAR(T * RATE_HZ)) + swing
     per_rad_Hz = RATE_HZ / (2.0 * np.pi * (SAMPLES - 1))
     of_rotor = FREQUENCY_HZ + per_rad_Hz * (swing[-1] - swing[0])
-    of_fit = FREQUENCY_HZ + per_rad_Hz * float(np.ptp(Polynomial.fit(T, swing, 2)(T[[0, -1]])))
-    found = frequency_of(track_angle(angle, 1), still())
+    by_fit = Polynomial.fit(T, swing, 2)
+    of_fit = FREQUENCY_HZ + per_rad_Hz * float(np.ptp(by_fit(T[[0, -1]])))
+    middles = FIRST_ROW / RATE_HZ + (np.arange(99) + 0.5) / FREQUENCY_HZ
+    turned = replace(still(), phase_rad=np.interp(middles, T, swing - by_fit(T)))
+    found = frequency_of(track_angle(angle, 1), turned)
     assert abs(found.value - of_rotor) < 2.0 * standard(found)
     assert standard(found) < 0.1 * abs(of_fit - of_rotor)
     pole_pairs = math.ceil(FREQUENCY_HZ * T[-1])
     found = frequency_of(track_angle(angle / pole_pairs, pole_pairs), still())
     assert 0.4 < abs(found.value - of_rotor) / standard(found) < 1.0
     assert 0.4 < abs(found.value - of_fit) / standard(found) < 1.0
+
+
+@pytest.mark.parametrize("kind", ["each revolution", "slowly"])
+def test_an_angle_that_errs_without_noise_is_held_against_the_phase_of_the_signal(kind: str) -> None:
+    """Each sample of it is exact, and so are both ends: what it does from revolution to revolution, or over
+    the record, is no course of the rotor where the signal does not have it."""
+    errors, pole_pairs = [], 4
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        frequency_Hz = FREQUENCY_HZ * random.uniform(0.98, 1.02)
+        theta_m = 2.0 * np.pi * frequency_Hz * T / pole_pairs
+        if kind == "each revolution":
+            errs = random.normal(0.0, 2e-3, 40)[np.floor(theta_m / (2.0 * np.pi)).astype(int)]
+        else:
+            errs = 6e-4 * np.sin(2.0 * np.pi * 0.7 * T + random.uniform(0.0, 2.0 * np.pi))
+        samples = np.cos(pole_pairs * theta_m) + 1e-3 * random.standard_normal(SAMPLES)
+        coherent, track, seen = follow(samples, RATE_HZ, track_angle(theta_m + errs, pole_pairs))
+        found = frequency(spectrum_of_samples(coherent), track, seen, BASIS, None, "")
+        errors.append((found.value - frequency_Hz) / standard(found))
+    assert np.sqrt(np.mean(np.square(errors))) < 1.5
+    assert np.max(np.abs(errors)) < 3.0
 
 
 def test_the_resolution_of_an_angle_does_not_average_out_of_its_ends() -> None:
