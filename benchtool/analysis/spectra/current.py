@@ -86,7 +86,7 @@ def current_spectrum(
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
     step = resolution(samples)
     found = separate(samples, block.sample_rate_Hz, track, channel, step)
-    sound = soundness(found.spectrum, found.seen, _refusal(found, channel, unit), channel)
+    sound = soundness(found.spectrum, found.moved, _refusal(found, channel, unit), channel)
     errors = _errors(found, step)
     beats = _may_beat(found, errors, step)
     if beats:
@@ -141,7 +141,7 @@ def _refusal(found: Separation, channel: str, unit: str) -> str:
     if not invalid and found.track.residual_rad is None:
         between = None if found.close.lines is None else found.between
         invalid = turned_around(found.cleaned, found.seen, channel, between)
-    if not invalid and found.seen.jump_rad and (clicks := clicks_among(found.samples, unit)):
+    if not invalid and found.moved.jump_rad and (clicks := clicks_among(found.samples, unit)):
         return f"{clicks}: clicks, at which the phase of {channel} jumps; choose a window without them"
     return invalid
 
@@ -237,9 +237,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             "of the slopes that the angle's counts allow at a constant speed, or else of the angle at both "
             "ends, by smoothing splines of any stiffness through 128 means, steps that beat with the rows, "
             "and half of what may be the rotor's or an error of its sensor: what it does in every revolution "
-            "or period alike, of fewer than two revolutions all that it does; of an angle in counts that "
-            "agrees with the signal's own phase both, by their variances; half of what the signal "
-            "departs from it steadily; of the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise "
+            "or period alike, of fewer than two revolutions all that it does; of an angle that agrees with "
+            "the signal's own phase both, by their variances; half of what the signal departs from it, "
+            "steadily or to and fro; of the sine fit sqrt(54.5) u_q / (2 pi A_1 duration), u_q the noise "
             "beside the line in quadrature (Hann-weighted; unweighted it were sqrt(12)), under a Hann window "
             "where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, and of an "
@@ -292,8 +292,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_thd_f_plus_noise",),
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
-            "without the course of the amplitude, if it has one; what is between harmonics counts in the "
-            "fundamental's bin, too",
+            "without the course of the amplitude, if it has one, and of a phase that moves beyond noise; "
+            "what is between harmonics counts in the fundamental's bin, too",
             "scatter of that power over the electrical periods, without what is between harmonics, and what "
             "the noise in the bins around it does to that; its phases against the harmonics and one "
             "another; the fundamental; where the steps of a converter fall, which are part of the noise",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.sensitivity import Sensitivities
 from benchtool.analysis.spectra.harmonics import distortion_and_noise
 from benchtool.analysis.spectra.interharmonics import Interharmonics
@@ -35,7 +36,8 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
 
     Its power differs from period to period: that scatter is of the noise and what it does to harmonics and to
     what is between them, whose own course is no scatter, but whose phases another record has otherwise. The
-    steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017).
+    steps of a converter are noise as any other here, as in a SINAD (IEEE 1057-2017). What a fundamental whose
+    phase wanders by less than is followed leaves beside its bin is as little a distortion as more of it.
     """
     spectrum, of_clean = spectrum_of(found.whole), found.clean
     amplitude = of_clean.fundamental
@@ -48,6 +50,7 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
     # what is between harmonics leaks into the bin of the fundamental, too
     leaked = abs(spectrum.phasor[spectrum.periods] - of_clean.phasor[spectrum.periods])
     rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked)
+    rest = math.sqrt(max(0.0, rest**2 - (amplitude * _wandered_rad(found.alone)) ** 2))
     lines, value = spectrum.amplitude[harmonic], rest / amplitude
     of_phases = 0.0
     if found.taken is not None and rest > 0.0:
@@ -111,7 +114,7 @@ def _scatter_of_power(found: Separation, rms: float) -> MeanError:
     clean = found.steady.samples
     of_periods = clean.values.reshape(clean.periods, -1)
     turn = 2.0 * np.pi / clean.per_period * np.arange(clean.per_period)
-    phasor = found.clean.phasor[clean.periods]
+    phasor = found.clean.phasor[clean.periods] * _turned(found)[:, np.newaxis]
     fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
     squares = np.mean(np.square(of_periods - np.mean(of_periods) - fundamental), axis=1)
     error = error_of_periods(squares)
@@ -121,6 +124,21 @@ def _scatter_of_power(found: Separation, rms: float) -> MeanError:
         decays = found.taken is not None and found.taken.start != 0.0
         error = replace(error, standard=math.hypot(error.standard, _together(others, noise, decays)))
     return error_of_root(squares, rms, error)
+
+
+def _wandered_rad(alone: Wander) -> float:
+    """Return how far the phase of a fundamental deviates, rms, beyond its noise; 0 where it may be noise."""
+    if not alone.excess_rad > 0.0:
+        return 0.0
+    return math.sqrt(max(0.0, float(np.var(alone.phase_rad)) - alone.noise_rad**2))
+
+
+def _turned(found: Separation) -> NDArray[np.complex128]:
+    """Return by what the fundamental of each period is turned, shape (periods,) or (1,) where it is not."""
+    if not found.alone.excess_rad > 0.0:
+        return np.ones(1, dtype=np.complex128)
+    phase_rad = found.alone.phase_rad
+    return np.asarray(np.exp(1j * (phase_rad - np.mean(phase_rad))))
 
 
 def _together(others: NDArray[np.float64], noise: NDArray[np.float64], decays: bool) -> float:

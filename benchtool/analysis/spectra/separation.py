@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,7 @@ from benchtool.analysis.spectra.moving_tones import Course, course_of
 
 Floats = NDArray[np.float64]
 
+_LEFT_OF_JUMP = 0.25
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -96,6 +97,18 @@ class Separation:
         if self.cleaned is self.coherent:
             return self.seen.first(self.coherent.periods)
         return wander(self.cleaned)
+
+    @cached_property
+    def moved(self) -> Wander:
+        """How the fundamental moves about the track, without a jump of its phase that is gone with what is no
+        harmonic: a dc that decays within a period, or a line in few of them, makes one."""
+        alone, jump_rad = self.alone, self.seen.jump_rad
+        if not jump_rad or self.taken is None or self.track.departure is not None or alone.jump_rad:
+            return self.seen
+        steps = np.diff(alone.phase_rad)
+        if not len(steps) or np.max(np.abs(steps - np.median(steps))) > _LEFT_OF_JUMP * jump_rad:
+            return self.seen
+        return replace(self.seen, jump_rad=0.0, jumps_alone=False)
 
     @cached_property
     def steady(self) -> SteadyAmplitude:

@@ -188,3 +188,21 @@ def test_thd_with_noise_and_its_uncertainty_are_the_same_in_any_unit(step: float
     for own, same in zip(one.uncertainty.budget, other.uncertainty.budget, strict=True):
         assert same.name == own.name
         assert same.standard == pytest.approx(own.standard, rel=1e-4)
+
+
+@pytest.mark.parametrize("deviation_rad", [0.5e-3, 1e-3, 2.5e-3])
+def test_a_phase_that_wanders_too_little_to_be_followed_is_no_noise(deviation_rad: float) -> None:
+    """Its sidebands have up to half of the power of all harmonics."""
+    turned, errors = np.arange(round(200 * 60.3)) / 200.0, []
+    truth = math.hypot(0.3, 100.0 * math.sqrt(2.0 * 0.9) * 1e-3)
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        phase = 2 * np.pi * turned + deviation_rad * np.sin(
+            2 * np.pi * turned / 23.0 + random.uniform(0, 6.28)
+        )
+        signal = np.cos(phase) + 0.003 * np.cos(5.0 * phase + random.uniform(0, 6.28))
+        found = with_noise(signal + 1e-3 * random.standard_normal(len(turned)))
+        assert found.uncertainty is not None
+        assert found.uncertainty.standard < 0.02 * truth
+        errors.append((found.value - truth) / found.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.5

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis import CoherentSamples, current_spectrum, track_angle
 from benchtool.analysis.phase.wander import Wander
+from benchtool.analysis.spectra.separation import separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.block import Block
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of_bins
@@ -164,3 +165,21 @@ def test_what_a_current_of_two_amplitudes_does_not_define_has_that_as_its_one_re
     _, *others = current_spectrum(Block.from_arrays(10e3, {"i_a": "A"}, i_a=i_a), "i_a", track).measurements
     (reason,) = {each.reason for each in others}
     assert reason.startswith("the amplitude of i_a changes from 5.03 to 7.5 between parts of the window")
+
+
+def test_a_dc_that_is_gone_within_a_period_makes_no_jump_of_the_fundamental() -> None:
+    """By its leak the phase of the first period is another, by more than any later one."""
+    jumps = 0
+    for seed, decay_s in enumerate(np.geomspace(4e-3, 16e-3, 8)):
+        random = np.random.default_rng(seed)
+        t = np.arange(4000) / 1e4
+        samples = 5.0 * np.cos(2.0 * np.pi * 50.3 * t + random.uniform(0.0, 2.0 * np.pi))
+        samples += 2.0 * np.exp(-t / decay_s) + 0.01 * random.standard_normal(len(t))
+        found = separate(samples, 1e4, track_angle(2.0 * np.pi * 50.3 * t, 1), "i_a", 0.0)
+        assert found.moved.jump_rad == 0.0
+        jumps += found.seen.jump_rad > 0.0
+        numbers = current_spectrum(Block.from_arrays(1e4, {"i_a": "A"}, i_a=samples), "i_a", found.track)
+        first = next(each for each in numbers.measurements if each.name == "current_fundamental")
+        assert first.uncertainty is not None
+        assert abs(first.value - 5.0) < 3.0 * first.uncertainty.standard
+    assert jumps > 0
