@@ -337,7 +337,7 @@ def _mean_of(block: Block, name: str, source: str, pole_pairs: int = 1) -> _Mean
     reading = MeanReading.of(Channel(name, block.unit(name)), samples, block.sample_rate_Hz)
     if beside is None:
         return _Mean(reading.mean, (scatter,), reading, record_basis(block), source)
-    source = f"{source}, from the first row to the last, which count by half"
+    source = f"{source}, over time from the first row to the last, by the trapezoidal rule"
     errors, further = (beside.line,), beside.between_records
     return _Mean(beside.value, errors, reading, record_basis(block), source, between_records=further)
 

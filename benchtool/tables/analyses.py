@@ -97,6 +97,7 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
     repetition = periods.repetition()
     held = held_rows(record.column(what))
     rated = record.question.torque_rated_Nm if what == "torque" else None
+    beside = _speed_beside(record) if what == "speed" else None
     for each in ripple_of_rows(
         np.ascontiguousarray(record.column(what)),
         channel.unit,
@@ -108,18 +109,18 @@ def _ripple(record: Record, periods: Periods, what: str) -> Iterator[Measurement
         per_revolution=repetition.per_revolution,
         what=channel.name,
         no_periods=periods.hidden,
-        beside=_speed_beside(record) if what == "speed" else None,
+        beside=beside,
     ):
-        number = replace(each, definition=f"{each.definition}{rows}")
+        is_over_time = beside is not None and each.name == "speed_mean"
+        number = each if is_over_time else replace(each, definition=f"{each.definition}{rows}")
         if record.lost.within and math.isfinite(number.value):
             number = _incomplete(number, record.lost.within)
         yield _limited(record, number, held)
 
 
 def _speed_beside(record: Record) -> MeanBeside | None:
-    """Return the mean speed beside the angle, or else a phase current of which the pole pairs are stated."""
-    if record.uniform is None:
-        return None
+    """Return the mean speed beside the angle, or else a phase current of which the pole pairs are stated and
+    the rows are even."""
     columns, question = record.channels, record.question
     names = {what: columns[what].name for what in ("angle", "current") if what in columns}
     if question.pole_pairs is None:
@@ -131,7 +132,7 @@ def _speed_beside(record: Record) -> MeanBeside | None:
     )
     return speed_beside_angle(
         np.ascontiguousarray(record.column("speed")),
-        record.base.rate_Hz,
+        np.ascontiguousarray(record.data[:, 0]) if record.uniform is None else record.base.rate_Hz,
         theta_m,
         i_a,
         question.pole_pairs or 1,

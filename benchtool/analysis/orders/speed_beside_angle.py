@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.orders.angle import unwrapped_angle
+from benchtool.analysis.orders.angle import TURN, unwrapped_angle
 from benchtool.analysis.periods import track_tone
 from benchtool.analysis.statistics.mean_beside import MeanBeside
 from benchtool.analysis.statistics.repeatability import wander_of_difference
@@ -19,11 +19,12 @@ from benchtool.errors import AnalysisError
 Floats = NDArray[np.float64]
 
 _FEWEST = 20  # samples
+_GAP = 8.0  # times the usual step of the time: nothing was read in between
 
 
 def speed_beside_angle(
     omega_m: Floats,
-    sample_rate_Hz: float,
+    times: float | Floats,
     theta_m: Floats | None = None,
     i_a: Floats | None = None,
     pole_pairs: int = 1,
@@ -34,6 +35,7 @@ def speed_beside_angle(
     """Return the mean of a speed, rad/s, over all rows, with its error beside an angle, rad, or else a phase
     current, all of shape (n,); None where neither tells it better than the speed's own scatter.
 
+    `times` is the rate of the rows, Hz, or their times, s, shape (n,), which need not be even for an angle.
     `angle` and `current` are what messages call them. Either may turn the other way than the speed counts.
     """
     if len(omega_m) < _FEWEST:
@@ -41,7 +43,7 @@ def speed_beside_angle(
     try:
         if theta_m is not None:
             rows, angle_rad, channel = slice(None), unwrapped_angle(theta_m, angle), angle
-        elif i_a is not None:
+        elif i_a is not None and isinstance(times, float):
             rows, phase_rad = _phase_of(i_a, current)
             angle_rad, channel = phase_rad / pole_pairs, current
         else:
@@ -50,31 +52,45 @@ def speed_beside_angle(
         return None
     if len(angle_rad) < _FEWEST:
         return None
-    found = _beside(omega_m, rows, angle_rad, sample_rate_Hz, channel)
+    times_s = np.arange(len(omega_m)) / times if isinstance(times, float) else times
+    if not np.all(np.diff(times_s) > 0.0):
+        return None
+    found = _beside(omega_m, times_s, rows, angle_rad, channel)
     own = error_of_record(omega_m).standard
     return found if found.error.standard < (own if math.isfinite(own) else math.inf) else None
 
 
-def _beside(
-    omega_m: Floats, rows: slice, angle_rad: Floats, sample_rate_Hz: float, channel: str
-) -> MeanBeside:
-    """Return the mean of a speed, rad/s, shape (n,), beside an angle of some of its rows without jumps.
+def _beside(omega_m: Floats, times_s: Floats, rows: slice, angle_rad: Floats, channel: str) -> MeanBeside:
+    """Return the mean of a speed, rad/s, at rising times, both of shape (n,), beside an angle of some of its
+    rows without jumps.
 
-    The angle at both ends tells the mean speed, whatever it does in between: the mean is that from the first
-    row to the last, which count by half. What the speed reads beside the differences of the angle has the
-    errors of both: those of the angle are taken back by the next difference, and leave the mean those at the
-    ends.
+    The angle at both ends tells the mean speed, whatever it does in between: the mean is that over time from
+    the first row to the last. What the speed reads beside the differences of the angle has the errors of
+    both: those of the angle, and of the times, are taken back by the next difference, and leave the mean
+    those at the ends. In a gap, where nothing was read, the rotor turned as the angle says, by as many whole
+    turns more as the speed does.
     """
-    between, duration_s = None, (len(angle_rad) - 1) / sample_rate_Hz
-    speed = 0.5 * (omega_m[1:] + omega_m[:-1])
-    along = sample_rate_Hz * np.diff(angle_rad)
-    shared = 0.5 * (omega_m[rows][1:] + omega_m[rows][:-1])
-    beside = shared - math.copysign(1.0, float(np.mean(shared)) * float(np.mean(along))) * along
-    wander = wander_of_difference(angle_rad)
+    between, shared_s = None, times_s[rows]
+    steps_s, duration_s = np.diff(shared_s), float(shared_s[-1] - shared_s[0])
+    turned = 0.5 * (omega_m[rows][1:] + omega_m[rows][:-1]) * steps_s
+    advance = np.diff(angle_rad)
+    advance *= math.copysign(1.0, float(np.sum(turned)) * float(np.sum(advance)))
+    is_gap = steps_s > _GAP * float(np.median(steps_s))
+    advance[is_gap] += TURN * np.round((turned - advance)[is_gap] / TURN)
+    beside = (turned - advance) * len(steps_s) / duration_s
+    beside[is_gap] = np.mean(beside[~is_gap])
+    wander = wander_of_difference(_at_even_times(np.cumsum(advance), shared_s[1:]))
     if math.isfinite(wander.standard):
         name = f"wander of the speed, by that of the course of {channel} within the record"
         between = Contribution(name, "A", wander.standard / duration_s, wander.dof)
-    return MeanBeside(float(np.mean(speed)), error_of_record(beside), between, channel)
+    mean = float(np.trapezoid(omega_m, times_s)) + float(np.sum((advance - turned)[is_gap]))
+    mean /= float(times_s[-1] - times_s[0])
+    return MeanBeside(mean, error_of_record(beside), between, channel)
+
+
+def _at_even_times(values: Floats, times_s: Floats) -> Floats:
+    """Return values at even times from the first to the last."""
+    return np.interp(np.linspace(times_s[0], times_s[-1], len(times_s)), times_s, values)
 
 
 def _phase_of(current: Floats, name: str) -> tuple[slice, Floats]:

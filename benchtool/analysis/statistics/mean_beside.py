@@ -10,8 +10,9 @@ from benchtool.analysis.uncertainty import Contribution
 
 @dataclass(frozen=True)
 class MeanBeside:
-    """Mean over a record, from its first row to its last, with its error by what the signal reads beside the
-    course that `channel` tells; `between_records` is how much the mean of another record differs."""
+    """Mean over the time of a record, from its first row to its last, with its error by what the signal reads
+    beside the course that `channel` tells; `between_records` is how much the mean of another record
+    differs."""
 
     value: float
     error: MeanError

@@ -255,8 +255,8 @@ class _Seen:
             text, error = f"mean of {self.what}{self.without}", scatter.mean if scatter else None
             return self.number(name, text, value, error, sensitivities, steps)
         text = (
-            f"mean of {self.what} over all rows, from the first to the last, which count by half; its error "
-            f"by what it reads beside the course of {beside.channel}"
+            f"mean of {self.what} over time, from the first row to the last, by the trapezoidal rule; its "
+            f"error by what it reads beside the course of {beside.channel}"
         )
         lines = tuple(each for each in (beside.line, steps) if each.standard != 0.0)
         return Measurement(

@@ -14,12 +14,16 @@ RATE_HZ, ROWS, POLE_PAIRS = 2000.0, 2000, 4
 COLUMNS = {"speed": "omega", "angle": "theta", "current": "ia"}
 
 
-def wandering(folder: Path, seed: int, sign: float = 1.0) -> tuple[Path, float]:
-    """Write a speed that swings and wanders slowly, with its angle and current; return its mean as well."""
-    random, time_s = np.random.default_rng(seed), np.arange(ROWS) / RATE_HZ
+def wandering(
+    folder: Path, seed: int, sign: float = 1.0, *, jitter: float = 0.0, lost: slice = slice(0)
+) -> tuple[Path, float]:
+    """Write a speed that swings and wanders slowly, with its angle and current, at times that jitter by a
+    share of a step, without rows that were lost; return its mean as well."""
+    random = np.random.default_rng(seed)
+    time_s = (np.arange(ROWS) + jitter * random.uniform(0.0, 1.0, ROWS)) / RATE_HZ
     slow = 0.4 * np.cumsum(random.standard_normal(ROWS)) / np.sqrt(ROWS)
     omega = sign * (100.0 + 0.7 * np.sin(2.0 * np.pi * 3.3 * time_s + 0.4) + slow)
-    theta = np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1])) / RATE_HZ])
+    theta = np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * np.diff(time_s))])
     columns = (
         time_s,
         omega + 0.3 * random.standard_normal(ROWS),
@@ -27,8 +31,9 @@ def wandering(folder: Path, seed: int, sign: float = 1.0) -> tuple[Path, float]:
         5.0 * np.sin(POLE_PAIRS * theta) + 0.02 * random.standard_normal(ROWS),
     )
     path = folder / f"{seed}.csv"
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header="t,omega,theta,ia", comments="")
-    return path, float(theta[-1] - theta[0]) / float(time_s[-1])
+    rows = np.delete(np.column_stack(columns), lost, axis=0)
+    np.savetxt(path, rows, delimiter=",", header="t,omega,theta,ia", comments="")
+    return path, float(theta[-1] - theta[0]) / float(time_s[-1] - time_s[0])
 
 
 def speed_mean(path: Path, *columns: str, pole_pairs: int | None = POLE_PAIRS) -> Measurement:
@@ -51,6 +56,21 @@ def test_it_is_as_certain_as_the_other_column_tells_it(
         assert found.uncertainty.standard < 0.02
         assert found.repeatability is not None
         assert f"beside the course of {named}" in found.definition
+        errors.append((found.value - mean) / found.uncertainty.standard)
+    assert np.max(np.abs(errors)) < 3.0
+
+
+@pytest.mark.parametrize(
+    ("jitter", "lost"), [(0.8, slice(0)), (0.0, slice(700, 790)), (0.8, slice(700, 790))]
+)
+def test_so_it_is_at_uneven_times_and_beside_a_gap(tmp_path: Path, jitter: float, lost: slice) -> None:
+    errors = []
+    for seed in range(3):
+        path, mean = wandering(tmp_path, seed, jitter=jitter, lost=lost)
+        found = speed_mean(path, "speed", "angle")
+        assert found.uncertainty is not None, found.uncertainty_reason
+        assert found.uncertainty.standard < 0.02
+        assert "each counting the same" not in found.definition
         errors.append((found.value - mean) / found.uncertainty.standard)
     assert np.max(np.abs(errors)) < 3.0
 
