@@ -185,8 +185,13 @@ def held_stretch(samples: NDArray[np.float64]) -> range | None:
     current rests for as long as a converter leaves it alone, again and again. Where others are equal at
     times, as in steps, it goes on elsewhere: by more than four times of what it usually changes by from
     sample to sample. The crest of a wave in steps goes on by one of them, and is short where neighbours are
-    equal rarely. Zero, as of a current that is switched off, counts likewise.
+    equal rarely. Zero, as of a current that is switched off, counts likewise, and not at all before it is
+    switched on and after it is switched off for good.
     """
+    filled = np.flatnonzero(samples)
+    if len(filled) and (first := int(filled[0])) + len(samples) - 1 - int(filled[-1]):
+        inner = held_stretch(samples[first : int(filled[-1]) + 1])
+        return None if inner is None else range(inner.start + first, inner.stop + first)
     steps = np.diff(samples)
     moves = np.flatnonzero(steps)
     if len(moves) < 2:

@@ -121,6 +121,17 @@ def test_a_sensor_that_stops_is_told_however_long_and_wherever_it_goes_on(
     assert f"{last - first} samples in a row from row {first} (from 0)" in standing(torque, "Nm")
 
 
+@pytest.mark.parametrize("rest", [slice(0, 2000), slice(3800, 5000)])
+def test_a_sensor_that_stops_is_told_beside_a_rest_at_zero(rest: slice) -> None:
+    """The rest is longer, and hid that the sensor had stopped."""
+    random = np.random.default_rng(1)
+    torque = 1.0 + 0.2 * np.cos(np.arange(5000) / 5.3) + 1e-3 * random.standard_normal(5000)
+    torque[rest] = 0.0
+    assert standing(torque) == ""
+    torque[2500:2800] = torque[2500]
+    assert "300 samples in a row from row 2500 (from 0)" in standing(torque)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_current_that_a_converter_leaves_alone_again_and_again_does_not_stand_still(seed: int) -> None:
     """Of 14 samples at rest, as ten other rests before a jump were, a sensor was said to stand still."""
