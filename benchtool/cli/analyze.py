@@ -229,7 +229,7 @@ def _list(run: Path | None, csv: Path | None, *, as_json: bool) -> int:
             stated = ", ".join(f"{key} = {json.dumps(value)}" for key, value in settings.items())
             output.sentence(f"[analyses.{each.name}] {stated}", "dim")
         if figures := list(dict.fromkeys(one.name for one in (*each.figures, *each.comparisons))):
-            output.line(f"figures {', '.join(figures)}", "dim")
+            output.sentence(f"figures {', '.join(figures)}", "dim")
         output.line("")
     output.document({"analyses": {each.name: each.to_json() for each in catalogue().analyses}})
     return 0

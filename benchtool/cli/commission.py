@@ -343,12 +343,12 @@ def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, outpu
         for each in excitations
     ]
     output.table("what would be played", ("step", "excitation", ">J"), rows)
-    output.line(
+    output.sentence(
         f"{number(whole.value_J)} J by {_resistance(known)}, {number(whole.least_J)} to "
         f"{number(whole.most_J)} J as far as that and friction are off and a loop is tuned again; the "
         "step 'resistance' tells more"
     )
-    output.line("nothing was enabled; each step's estimates would be for the parameters that it sets")
+    output.sentence("nothing was enabled; each step's estimates would be for the parameters that it sets")
     output.document(
         {
             "dry_run": True,

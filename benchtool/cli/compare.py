@@ -89,7 +89,7 @@ def compare(
     for means in over_repetitions:
         _show_repeated(output, means)
     if alone:
-        output.line(f"without a counterpart: {', '.join(alone)}")
+        output.sentence(f"without a counterpart: {', '.join(alone)}")
     written = {}
     if html is not None:
         if not comparisons:

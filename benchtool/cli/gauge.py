@@ -79,7 +79,7 @@ def gauge(
     )
     low, high = result.gauge_interval
     interval = f"(95 %: {number(low, 3)} to {number(high, 3)})"
-    output.line(f"standard deviation of the gauge: {number(result.gauge)} {interval}")
+    output.sentence(f"standard deviation of the gauge: {number(result.gauge)} {interval}")
     shares = {"total variation": result.percent_of_total, "tolerance": result.percent_of_tolerance}
     known = {what: share for what, share in shares.items() if share is not None}
     for what, share in known.items():
@@ -87,7 +87,7 @@ def gauge(
     if result.ndc_interval is not None:
         least, most = result.ndc_interval
         told = f"number of distinct categories (ndc): {result.ndc} (95 %: {least} to {most})"
-        output.line(f"{told}, AIAG asks for {_CATEGORIES} or more")
+        output.sentence(f"{told}, AIAG asks for {_CATEGORIES} or more")
     if result.gauge == 0.0:
         output.warning(
             "repeated readings do not differ: their resolution hides the spread of the gauge, by which %GRR "

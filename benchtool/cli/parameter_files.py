@@ -125,7 +125,7 @@ def load(
         output.line(f"{name}: {shown(before[name])} → {shown(value)} {dictionary[name].unit}".rstrip())
     output.line(f"{len(changed)} of {len(wanted)} parameters changed, all are as in {file}")
     if absent:
-        output.line(f"left as they were: {', '.join(absent)}", "yellow")
+        output.sentence(f"left as they were: {', '.join(absent)}", "yellow")
     advise(output, link, "not stored; benchtool params save keeps it over a reset")
     output.document(
         {

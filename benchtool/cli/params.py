@@ -88,7 +88,7 @@ def list_(
         output.line(_headline(each), "bold" if each.differs else "")
         output.sentence(each.about, "dim", lead="    ")
     differing = sum(each.differs for each in found)
-    output.line(f"{len(found)} parameters; the {differing} with * differ from their default")
+    output.sentence(f"{len(found)} parameters; the {differing} with * differ from their default")
     output.document({"parameters": [each.to_json() for each in found], "warnings": list(warnings)})
     return 0
 
@@ -178,9 +178,9 @@ def restore(
             stated = known_settings(drive.dictionary, load_profile(profile).stated_parameters)
             write_all(drive, {name: value for name, (_, value) in stated.items()})
             values |= {name: drive.read(name) for name in stated}
-    output.line(f"{len(values)} parameters have their defaults, and the drive was reset")
+    output.sentence(f"{len(values)} parameters have their defaults, and the drive was reset")
     if from_profile:
-        output.line(f"{len(stated)} of them were then set to what profile {profile} states")
+        output.sentence(f"{len(stated)} of them were then set to what profile {profile} states")
         advise(output, link, "not stored; benchtool params save keeps it over a reset")
     else:
         advise(

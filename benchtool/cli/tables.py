@@ -72,9 +72,9 @@ def show_table(output: Output, answer: TableAnswer) -> None:
     if note := pulse_note(answer.measurements):
         output.sentence(note, "dim")
     for remark in answer.remarks:
-        output.line(f"warning: {remark.text}", "yellow")
-    output.line(_read(answer.source))
-    output.line(_timed(answer.source["time"]))
+        output.sentence(f"warning: {remark.text}", "yellow")
+    output.sentence(_read(answer.source))
+    output.sentence(_timed(answer.source["time"]))
 
 
 def _read(source: Mapping[str, Any]) -> str:

@@ -35,7 +35,7 @@ def verify(
         output.note(f"without a hash, not verified: {', '.join(found.unlisted)}")
     if not found.sealed:
         output.line(f"{found.folder}: recorded without hashes, by an earlier version", style="red")
-    output.line(
+    output.sentence(
         f"{found.files} files fit their hashes, {len(found.damaged)} do not; {found.recomputed} results were "
         f"measured again to the bit, {len(found.different)} differ"
     )
