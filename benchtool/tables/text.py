@@ -43,6 +43,8 @@ _FEW_BLANK = 0.25  # of the lines: more of them are between all
 _BLANKS = re.compile(rb"[ \t]+")
 _LINE_ENDS = re.compile(rb"^ | $", re.MULTILINE)
 _OUTER_BARS = re.compile(rb"^[ \t]*\|(.*)\|[ \t]*$", re.MULTILINE)
+_BEYOND_ASCII = re.compile(rb"[\x80-\xff]+")
+_TWO_CHARACTERS, _FEWEST_WORDS = 4, 2  # bytes; so many of them are no chance
 _NOT_A_NUMBER = (9.905e37, 9.915e37)
 # one byte for one: a non-ASCII byte is not part of a number, and a zero byte must not join its neighbours
 _ASCII_ONLY = bytes(byte if 0 < byte < 128 else (ord("?") if byte else ord(" ")) for byte in range(256))
@@ -93,8 +95,8 @@ class TextTable:
         """Read a file and determine its layout: see `find_layout`; a decimal sign may be stated, and that
         rows are not timed by a column.
 
-        UTF-8 and UTF-16, each with a byte order mark or without, else Windows-1252 (Latin-1); lines end by
-        newline, carriage return or both.
+        UTF-8 and UTF-16, each with a byte order mark or without, GB 2312 where all words are of its
+        characters, else Windows-1252 (Latin-1); lines end by newline, carriage return or both.
 
         Raises:
             NoSuchRecording: it is not there, or holds no table of numbers.
@@ -363,5 +365,18 @@ def _to_utf_8(content: bytes) -> tuple[bytes, str]:
     try:
         sample[: sample.rfind(b"\n") + 1 or None].decode("utf-8")
     except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace").encode("utf-8"), "cp1252"
+        encoding = "gb18030" if _is_chinese(sample) else "cp1252"
+        return content.decode(encoding, errors="replace").encode("utf-8", errors="replace"), encoding
     return content, "utf-8"
+
+
+def _is_chinese(sample: bytes) -> bool:
+    """Return whether what is not ASCII is words in the characters of GB 2312, of two bytes each; in Western
+    languages such letters do not stand side by side in each word."""
+    words = _BEYOND_ASCII.findall(sample)
+    if sum(len(word) >= _TWO_CHARACTERS for word in words) < _FEWEST_WORDS:
+        return False
+    try:
+        return all(word.decode("gb2312") for word in words)
+    except UnicodeDecodeError:
+        return False

@@ -160,7 +160,7 @@ SECTIONS: Final = (
         "Reports, live view, command line and Python",
         "What a person sees and types.",
         """
-        0089 0090 0014 0091 0088 0073 0074 0075
+        0089 0090 0014 0091 0088 0073 0074 0075 0516 0518
         """,
     ),
     Section(

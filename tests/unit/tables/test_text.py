@@ -455,3 +455,23 @@ def test_percent_is_of_the_rated_value(tmp_path: Path) -> None:
     assert table.select("T", "Nm", rated=2.0).factor == 0.02
     with pytest.raises(AnalysisError, match="'%' is no unit"):
         table.select("T", "Nm")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "head", "name"),
+    [
+        ("gb2312", "时间(s),A相电流(A),转矩(N.m)", "转矩"),
+        ("cp1252", "Zeit (s),Strom (A),Drehmoment für Prüfling (N·m)", "Drehmoment für Prüfling"),
+        ("cp1252", "t [µs],i [A],T [°]", "T"),
+    ],
+)
+def test_words_of_another_alphabet_are_read_in_its_encoding(
+    tmp_path: Path, encoding: str, head: str, name: str
+) -> None:
+    """Chinese names were read as Western letters, by which no column was found."""
+    rows = "".join(f"{row / 8},{row % 5},{row % 7}\n" for row in range(40))
+    path = tmp_path / "table.csv"
+    path.write_bytes(f"{head}\n{rows}".encode(encoding))
+    found = TextTable.open(path)
+    assert found.encoding == {"gb2312": "gb18030"}.get(encoding, encoding)
+    assert found.select(f"{name}:Nm", "Nm").number == 3
