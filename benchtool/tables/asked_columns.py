@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import ValidationError
@@ -25,7 +26,8 @@ def with_their_columns(
     """Return the columns that were chosen and those that analyses name, and the settings with the kind of a
     column in place of what was asked for.
 
-    A column that no unit is stated of is in that of the others of its analysis.
+    A column that no unit is stated of is as it was chosen for something else, or in the unit of the others
+    of its analysis.
 
     Raises:
         AnalysisError: no such analysis of columns alone, no such setting, no such column, or no unit.
@@ -36,7 +38,10 @@ def with_their_columns(
         checked = settings_of(analysis, settings)
         named = {key: str(getattr(checked, key)) for key in analysis.channel_settings}
         wanted = {key: spec for key, spec in named.items() if spec}
-        stated = {key: _in_stated_unit(table, spec) for key, spec in wanted.items()}
+        stated = {
+            key: _in_stated_unit(table, spec) or _as_chosen(table, spec, chosen)
+            for key, spec in wanted.items()
+        }
         units = {each.si_unit for each in stated.values() if each is not None}
         kinds = {}
         for key, spec in wanted.items():
@@ -98,4 +103,13 @@ def _in_stated_unit(table: TextTable, spec: str) -> Selection | None:
             return selection
     if len(refusals) == len(KNOWN):
         raise refusals[0]
+    return None
+
+
+def _as_chosen(table: TextTable, spec: str, chosen: Mapping[str, Selection]) -> Selection | None:
+    """Return the column as it was chosen for something else; None where it was not."""
+    for each in chosen.values():
+        with suppress(AnalysisError):
+            if table.select(spec, each.si_unit).number == each.number:
+                return each
     return None

@@ -279,10 +279,11 @@ def remarks(record: Record) -> Iterator[Remark]:
             continue
         if clipped := clipping(samples, channel.unit):
             yield Remark(RemarkKind.CLIPPED, what, f"'{channel.name}': {clipped}")
-        elif held := standing(samples, channel.unit):
-            yield Remark(RemarkKind.STOOD_STILL, what, f"'{channel.name}': {held}")
+        if channel.name in responding:
             continue
-        if channel.name not in responding and (found := regimes(samples, channel.unit)):
+        if not clipped and (held := standing(samples, channel.unit)):
+            yield Remark(RemarkKind.STOOD_STILL, what, f"'{channel.name}': {held}")
+        elif found := regimes(samples, channel.unit):
             kind = RemarkKind.TWO_REGIMES if found.levels == 2 else RemarkKind.SEVERAL_REGIMES
             yield Remark(kind, what, f"'{channel.name}': {found.text}")
 

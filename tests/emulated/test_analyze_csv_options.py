@@ -93,6 +93,16 @@ def test_a_table_has_a_step_response_of_the_columns_that_are_named(invoke: Invok
     assert found.recomputed > 10
 
 
+def test_a_column_of_a_step_is_in_the_unit_that_another_option_states(invoke: Invoke) -> None:
+    """The step asked for the unit that `--torque` had, and a signal that rests before it stood still."""
+    _step()
+    asked = ("--torque", "bare:mNm", "--analysis", "step:signal=bare,reference=bare", "--json")
+    case = measured(invoke("--csv", "step.csv", "--time", "t", *asked))
+    assert case["source"]["columns"]["torque"]["unit"] == "mNm"
+    assert "step_latency" in case["measurements"]
+    assert case["remarks"] == []
+
+
 def test_the_sensor_of_a_step_is_in_its_numbers(invoke: Invoke) -> None:
     _step()
     Path("bench.toml").write_text("[bench.channels.T]\ngain_U_percent = 4.0\n", encoding="utf-8")
