@@ -231,7 +231,9 @@ def _assigned(dictionary: Dictionary, pair: tuple[str, str]) -> tuple[Variable, 
     """
     name, text = pair
     variable = parameter(dictionary, name)
-    return variable, parse_value(variable, text)
+    value = parse_value(variable, text)
+    variable.encode(value)
+    return variable, value
 
 
 def known_settings(

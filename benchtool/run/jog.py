@@ -89,7 +89,7 @@ def jog(
     """
     if not 0.0 < rate_Hz <= HIGHEST_RATE_HZ:
         raise ValueRefused(
-            f"a rate of {rate_Hz:g} Hz: more than 0 and at most {HIGHEST_RATE_HZ:g} can be: change it"
+            f"a rate of {rate_Hz:g} Hz: more than 0 and at most {HIGHEST_RATE_HZ:g} Hz is possible: change it"
         )
     if mode not in (Mode.VELOCITY, Mode.TORQUE):
         raise ValueRefused(f"{mode.name.lower()} mode takes no setpoints: choose velocity or torque")

@@ -252,7 +252,7 @@ def test_info_of_a_file_asks_no_drive(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_info_refuses_a_file_that_is_not_an_eds(tmp_path: Path) -> None:
     (tmp_path / "no.eds").write_text("nothing\n", encoding="utf-8")
     told = _invoked("info", "--eds", tmp_path / "no.eds")
-    assert told.exit_code == 3
+    assert told.exit_code == 2
     assert _invoked("info", "--eds", tmp_path / "no.eds", "--link", "can:virtual:x").exit_code == 2
     assert "an EDS or DCF (CiA 306) is expected" in told.stderr
 

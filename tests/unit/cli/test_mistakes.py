@@ -41,7 +41,7 @@ def test_every_column_that_is_wrong_is_told(
     [
         (("params", "get", "foo", "bar"), ("no object 'foo'", "no object 'bar'")),
         (("params", "set", "foo=1", "L_d=x"), ("no object 'foo'", "L_d = 'x'")),
-        (("params", "set", "R_s=-1", "L_d=-1"), ("R_s = -1", "L_d = -1")),
+        (("params", "set", "R_s=-1", "L_d=-1", "foo=3"), ("R_s = -1", "L_d = -1", "no object 'foo'")),
         (("commission", "foo", "bar", "--dry-run"), ("no step 'foo'", "no step 'bar'")),
         (("record", "--channels", "foo,bar", "--duration", "0.2"), ("no object 'foo'", "no object 'bar'")),
         (("compare", "foo", "bar"), ("foo does not exist", "bar does not exist")),
