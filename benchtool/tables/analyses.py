@@ -26,11 +26,13 @@ from benchtool.analysis import (
 from benchtool.analysis.lines import spectral_lines
 from benchtool.analysis.orders import (
     Orders,
+    across_gaps,
     angle_coverage,
     describe_orders,
     fitted_orders,
     order_analysis,
     orders_at_speed,
+    unwrapped_angle,
 )
 from benchtool.analysis.spectra import (
     CURRENT_UNBALANCE,
@@ -304,7 +306,10 @@ def _found_orders(record: Record, what: str) -> Orders:
     if block is not None:
         return order_analysis(block, channel, what, angle=angle, pole_pairs=pole_pairs, slots=slots)
     rows = ~record.lost_angle
-    coverage = angle_coverage(record.column("angle")[rows], angle)
+    angle_rad = unwrapped_angle(record.column("angle")[rows], angle)
+    if not np.all(rows):
+        angle_rad = across_gaps(angle_rad, record.data[rows, 0])
+    coverage = angle_coverage(angle_rad, angle)
     # stamps that are uneven do not tell a wobble from their own jitter
     spectrum = fitted_orders(coverage, record.column(what)[rows], channel, unit, angle, record.basis)
     return describe_orders(spectrum, what, pole_pairs, slots)

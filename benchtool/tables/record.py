@@ -113,8 +113,8 @@ class Record:
             return ""
         first, count = int(np.argmax(self.lost_angle)), int(np.count_nonzero(self.lost_angle))
         return (
-            f"'{self.channels['angle'].name}' stands still in {count_of(count, 'row')}, the first is row "
-            f"{first + 1} of those used, while the rotor turned (its sensor or its link was lost)"
+            f"'{self.channels['angle'].name}' stands still from row {first - 1} (from 0) on, in "
+            f"{count_of(count, 'row')} in all, while the rotor turned (its sensor or its link was lost)"
         )
 
     @cached_property

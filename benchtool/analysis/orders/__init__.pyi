@@ -1,4 +1,5 @@
 from .angle import (
+    across_gaps as across_gaps,
     angle_coverage as angle_coverage,
     revolution_rows as revolution_rows,
     unwrapped_angle as unwrapped_angle,

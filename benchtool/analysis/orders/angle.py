@@ -19,6 +19,7 @@ _SAME_RAD = 1e-9
 _STANDS = 0.01  # of a revolution: a rotor that moves by less stands
 _ROWS_PER_UPDATE = 1.2  # from which an angle may be updated more rarely than it is read
 _COUNTS_PER_UPDATE = 1.5  # of the least step: an angle that counts moves by one, rarely by two
+_GAP, _BESIDE_A_GAP = 1.5, 16  # times the usual step of the time; rows by which the speed there is told
 _COARSE = 1.2  # samples for each angle of each revolution, from which the angle is taken to count in steps
 
 
@@ -120,6 +121,23 @@ def between_updates(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) 
     followed[before] = angle[0] + slope[0] * (times[before] - at[0])
     followed[after] = angle[-1] + slope[-1] * (times[after] - at[-1])
     return np.asarray(followed)
+
+
+def across_gaps(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an angle without jumps, shape (n,), that was unwrapped by the shorter way from row to row at
+    `times`, with the whole turns in gaps between them that the speed on either side tells."""
+    steps, advance = np.diff(times), np.diff(angle_rad)
+    is_gap = steps > _GAP * np.median(steps)
+    speeds = advance[~is_gap] / steps[~is_gap]
+    rows = np.flatnonzero(~is_gap)
+    if not len(rows):
+        return angle_rad
+    fastest = float(np.percentile(np.abs(speeds), 99.0))
+    for gap in np.flatnonzero(is_gap & (fastest * steps > 0.25 * TURN)):
+        at = int(np.searchsorted(rows, gap))
+        speed = float(np.median(speeds[max(0, at - _BESIDE_A_GAP) : at + _BESIDE_A_GAP]))
+        advance[gap] += TURN * np.round((speed * steps[gap] - advance[gap]) / TURN)
+    return np.asarray(angle_rad[0] + np.concatenate([[0.0], np.cumsum(advance)]))
 
 
 def revolution_rows(angle_rad: NDArray[np.float64], turn_rad: float = TURN) -> NDArray[np.int64]:

@@ -23,6 +23,7 @@ from benchtool.analysis.numbers import count_of
 from benchtool.analysis.orders.angle import (
     TURN,
     AngleCoverage,
+    across_gaps,
     between_updates,
     least_step_rad,
     unwrapped_angle,
@@ -132,13 +133,17 @@ class Revolutions:
 
 
 def angle_of(block: Block, angle: str = "theta_m") -> NDArray[np.float64]:
-    """Return the angle of a recording, rad, without jumps, followed between updates that are rarer than rows.
+    """Return the angle of a recording, rad, without jumps, followed between updates that are rarer than rows
+    and over gaps.
 
     Raises:
         AnalysisError: as `unwrapped_angle`.
     """
-    theta_m = unwrapped_angle(np.ascontiguousarray(block.column(angle)), angle)
-    return between_updates(theta_m, block.ticks().astype(np.float64))
+    read, times = np.ascontiguousarray(block.column(angle)), block.ticks().astype(np.float64)
+    theta_m = unwrapped_angle(read, angle)
+    if block.gaps and not np.array_equal(read, theta_m):  # one that counts turns counts those in gaps
+        theta_m = across_gaps(theta_m, times)
+    return between_updates(theta_m, times)
 
 
 def revolutions_of(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import order_analysis
-from benchtool.analysis.orders import held_angle, unwrapped_angle
+from benchtool.analysis.orders import across_gaps, held_angle, unwrapped_angle
 from benchtool.block import Block
 
 RATE_HZ, ROWS = 2000.0, 4000
@@ -36,7 +36,7 @@ def test_a_rotor_that_rests_is_told_from_an_angle_that_was_lost(course: str, cou
     assert abs(rows[0] - 3001) <= 2
 
 
-@pytest.mark.parametrize("lost", [8, 40])
+@pytest.mark.parametrize("lost", [8, 40, 200])
 def test_orders_do_without_a_few_rows_of_a_lost_angle(lost: int) -> None:
     """They were taken for a wobble of the angle: of 40 rows among 2000 u was 57 times as much."""
     random, rows = np.random.default_rng(3), 2000
@@ -50,3 +50,29 @@ def test_orders_do_without_a_few_rows_of_a_lost_angle(lost: int) -> None:
     assert order.uncertainty is not None
     assert order.uncertainty.standard < 1e-3
     assert abs(order.value - 0.1) < 3.0 * order.uncertainty.standard
+
+
+def test_a_gap_of_several_turns_is_no_wobble() -> None:
+    """The rows behind it were by whole turns off a track of the angle, and u 500 times as much."""
+    random, rows = np.random.default_rng(3), 4000
+    theta = 100.0 * np.arange(rows) / RATE_HZ
+    i_a = 5.0 * np.sin(4.0 * theta) + 0.02 * random.standard_normal(rows)
+    read = np.mod(theta + 1e-5 * random.standard_normal(rows), 2.0 * np.pi)
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A", "theta_m": "rad"}, i_a=i_a, theta_m=read)
+    missing = np.zeros(rows, dtype=np.bool_)
+    missing[1500:1800] = True
+    found = {
+        each.name: each for each in order_analysis(block.without(missing), "i_a", orders=[4]).measurements
+    }
+    order = found["i_a_order_4"]
+    assert order.uncertainty is not None
+    assert order.uncertainty.standard < 2e-3
+    assert abs(order.value - 5.0) < 3.0 * order.uncertainty.standard
+
+
+def test_turns_in_gaps_are_those_of_the_speed_beside_them() -> None:
+    times = np.delete(np.arange(1000.0), np.s_[300:500])
+    angle = 0.05 * times + 1e-4 * times**2
+    wrapped = np.mod(angle, 2.0 * np.pi)
+    assert np.allclose(across_gaps(np.unwrap(wrapped), times), angle)
+    assert np.array_equal(across_gaps(angle, times), angle)
