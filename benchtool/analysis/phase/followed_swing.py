@@ -1,8 +1,8 @@
 """By how much a track that follows a phase is off what swings within few periods.
 
-It is a cubic spline through one phase in each period, and between these not the swing itself: of a sinusoid of
-f cycles in a period the spline has the images f + k, each in proportion to sinc^4 (Unser, IEEE Signal Processing
-Magazine 16 (1999), no. 6). Followed is what a Hann window over two periods sees alike of both.
+It is a cubic spline through one phase in each period, and between these not the swing itself: of a sinusoid
+of f cycles in a period the spline has the images f + k, each in proportion to sinc^4 (Unser, IEEE Signal
+Processing Magazine 16 (1999), no. 6). Followed is what a Hann window over two periods sees alike of both.
 """
 
 from __future__ import annotations
