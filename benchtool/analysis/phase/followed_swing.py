@@ -22,8 +22,8 @@ _IMAGES = np.arange(-3, 4)
 
 
 def off_swing_rad(phase_rad: Floats) -> float:
-    """Return how far, rms, a track is off a phase halfway between its knots, of phases in each period, shape
-    (n,), by the spectrum of their swings."""
+    """Return how far, rms, a track is off the phase halfway between its knots, of phases in each period,
+    shape (n,), by the spectrum of their swings."""
     place = np.arange(len(phase_rad), dtype=np.float64)
     swings = phase_rad - np.polynomial.Polynomial.fit(place, phase_rad, _DEGREE)(place)
     window = spectral_window("hann", len(swings))
