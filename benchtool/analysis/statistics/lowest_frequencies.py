@@ -98,8 +98,8 @@ def _of_periods(samples: Floats, periods: int) -> Bands | None:
 
 
 def continued_power(samples: Floats, periods: int, told_from: float, places: Floats) -> Floats | None:
-    """Return the power of the noise of samples, shape (n,), in a bin at places in cycles in the record, by the
-    densities that describe the bins from `told_from` on, shape of the places; None of too few.
+    """Return the power of the noise of samples, shape (n,), in a bin at places in cycles in the record, shape
+    (places,), by the densities that describe the bins from `told_from` on; None of too few.
 
     What repeats in `periods` whole periods is left out, as is what was fitted to the bins below.
     """
