@@ -28,7 +28,8 @@ def off_swing_rad(phase_rad: Floats) -> float:
     swings = phase_rad - np.polynomial.Polynomial.fit(place, phase_rad, _DEGREE)(place)
     window = spectral_window("hann", len(swings))
     power = np.abs(fft.rfft(swings * window)) ** 2 * (2.0 / len(swings) / float(window @ window))
-    return math.sqrt(float(power @ _missed(fft.rfftfreq(len(swings))) ** 2))
+    missed = _missed(np.arange(len(power)) / len(swings))
+    return math.sqrt(float(np.sum(power * missed**2)))
 
 
 def _missed(cycles: Floats) -> Floats:
