@@ -54,6 +54,7 @@ _REACH = 8  # bins to either side
 _BEFORE = 0.02  # one line beside fifty harmonics
 _LEAST_SHARE = 0.01
 _BY_ITSELF = 5.0  # times as likely as a line: the angle between the fundamental and all others moves
+_SURELY, _CLEARLY = 0.999, 60.0  # share; chi squared: by chance once in 1e13
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
 _MOVES = 0.01  # periods of a line steady in time, along the phase
 
@@ -197,10 +198,14 @@ def _beside(
         return None
     moved = min(each.moved for each in movements)
     moves = float(_share(moved))
+    fundamental = float(np.abs(around[0, reach]))
+    along_phase = partial(kernel_along_phase, reach=reach, count=count)
+    # one that begins at some phases, or is about 1.45 bins away, moves the phase to and fro alone
+    if moves < _SURELY and index == 0 and _are_of_line(movements, fundamental, along_phase):
+        moves = 1.0
     if moves < _LEAST_SHARE:
         return None
-    fundamental = float(np.abs(around[0, reach]))
-    best = _best_fit(movements, fundamental, partial(kernel_along_phase, reach=reach, count=count))
+    best = _best_fit(movements, fundamental, along_phase)
     in_time = False
     if course is not None and _moves_in_time(course, number):
         in_time_alone = lru_cache(
@@ -215,6 +220,15 @@ def _beside(
     if not in_time or not line.phasor or course is None:
         return line
     return replace(line, transformed=fft.fft(line.tone.at(course)) / count)
+
+
+def _are_of_line(
+    movements: Sequence[Movement], fundamental: float, kernel: Callable[[float, float], Kernel]
+) -> bool:
+    """Return whether one line explains all that moves a harmonic, and that is far more than noise,
+    whatever moves others is taken off it."""
+    fits = (LineFit.of(each, fundamental, kernel) for each in movements)
+    return all(each.explained > _CLEARLY and not each.is_ill for each in fits)
 
 
 def _best_fit(

@@ -293,10 +293,11 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(sum of the squares of all bins but dc and fundamental) / A_1, up to the bandwidth; "
             "without the course of the amplitude, if it has one, and of a phase that moves beyond noise; "
-            "what is between harmonics counts in the fundamental's bin, too",
+            "what is between harmonics counts in the bins of dc and the fundamental, too",
             "scatter of that power over the electrical periods, without what is between harmonics, and what "
-            "the noise in the bins around it does to that; its phases against the harmonics and one "
-            "another; the fundamental; where the steps of a converter fall, which are part of the noise",
+            "the noise in the bins around it does to that; its phases against the harmonics, one another "
+            "and the record; the fundamental; where the steps of a converter fall, which are part of "
+            "the noise",
         ),
         Quantity(
             ("current_thd_f_groups",),

@@ -47,9 +47,10 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
         return Measurement.undefined(_NAME, "%", text, "the fundamental is zero", to_end)
     base = combined(errors.budget(0), "") or Uncertainty(math.nan, "")
     harmonic = slice(2 * spectrum.periods, None, spectrum.periods)
-    # what is between harmonics leaks into the bin of the fundamental, too
+    # what is between harmonics leaks into the bins of the fundamental and of dc, too
     leaked = abs(spectrum.phasor[spectrum.periods] - of_clean.phasor[spectrum.periods])
-    rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked)
+    slow = _in_dc(found.taken, found.course)
+    rest = math.hypot(distortion_and_noise(spectrum) * spectrum.fundamental, leaked, slow)
     rest = math.sqrt(max(0.0, rest**2 - (amplitude * _wandered_rad(found.alone)) ** 2))
     lines, value = spectrum.amplitude[harmonic], rest / amplitude
     of_phases = 0.0
@@ -67,12 +68,14 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
     if by_lines(errors.noise) > of_scatter.standard:  # few periods may agree by chance
         by_noise = by_lines(errors.noise)
         of_scatter = Contribution("noise in the harmonics", "A", by_noise, float(np.max(errors.dof)))
+    # which the ratio is to, and without which its bin counts
+    of_fundamental = math.hypot(value, leaked / rest) if rest > 0.0 else value
     by_steps = by_lines(errors.resolution)
     if errors.steps is not None and rest > 0.0:
         by_steps = math.hypot(by_steps, errors.steps.of_square / rest)
     budget = [
         of_scatter.scaled(1.0 / amplitude),
-        Contribution("fundamental", "A", value / amplitude * base.standard, base.dof),
+        Contribution("fundamental", "A", of_fundamental / amplitude * base.standard, base.dof),
         Contribution("resolution", "B", by_steps / amplitude),
         Contribution("phases of components between the harmonics", "B", of_phases / amplitude),
     ]
@@ -105,7 +108,15 @@ def _over_phases(
         squares += float(abs(np.mean(one * np.conj(other)))) ** 2
     for one in lines:  # both of its halves, at positive and negative frequency, have a product with it
         squares += float(abs(np.mean(2.0 * one * decay))) ** 2
+        squares += 0.25 * float(abs(np.mean(one**2))) ** 2  # and with one another
     return math.sqrt(0.5 * squares)
+
+
+def _in_dc(taken: Interharmonics | None, course: Course) -> float:
+    """Return the amplitude with the power that sinusoids between the harmonics have in the bin of dc."""
+    if taken is None:
+        return 0.0
+    return math.sqrt(2.0) * abs(sum(float(np.mean(one.real)) for one in taken.components(course)))
 
 
 def _scatter_of_power(found: Separation, rms: float) -> MeanError:

@@ -33,6 +33,7 @@ _ON_HARMONIC = 1e-9  # bins
 _KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
 _MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
 _LARGE = 0.05  # of the fundamental: lines larger than that are the rarer
+_LIKELY = 0.1  # of the most likely distance
 _EXACTLY = 1e-3  # of a line: resampling, and what is left of the phase
 _POINTS = 512  # places of the course of a line that is steady in time
 _NODES = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])  # of a normal distribution, in standard deviations
@@ -105,7 +106,8 @@ class LineFit:
     that by noise, along the harmonic; `likely` is the logarithm of their likelihood, and `weighs` with the
     share of all amplitudes before that noise allows. `scale` is by how much the noise is larger than it was
     said to be; `explains` is the logarithm by which fits to other movements are compared, and `excess`, of
-    `dof` degrees of freedom, what the best leaves over what noise does. Where that is too much, `of_two` is
+    `dof` degrees of freedom, what the best leaves over what noise does; `explained` is the chi squared that
+    it does not leave. Where that is too much, `of_two` is
     what two lines leave uncertain of the harmonic.
     """
 
@@ -120,6 +122,7 @@ class LineFit:
     explains: float
     excess: float
     dof: float
+    explained: float
     of_two: float = 0.0
 
     @staticmethod
@@ -167,6 +170,7 @@ class LineFit:
                 - movement.reach * math.log(movement.of_amplitude2 * movement.of_phase2 * expected**2),
                 excess=2.0 * least / dof / expected,
                 dof=dof,
+                explained=(power - least) / expected,
             )
 
         found = likely_fits(fitted, -FARTHEST, FARTHEST)
@@ -204,7 +208,9 @@ class LineFit:
         weight = np.where(possible, weight, 0.0)
         weight /= max(float(np.sum(weight)), 1e-300)
         mean = complex(weight @ self.makes)
-        at = int(np.argmin(np.abs(self.makes - mean)))
+        # about 1.43 bins away one farther and one nearer make the same of the harmonic
+        off = np.where(weight < _LIKELY * np.max(weight), math.inf, np.abs(self.makes - mean))
+        at = int(np.argmin(off))
         place = self.movement.number + float(self.apart[at])
         if self.is_ill:
             return LineBeside(place, 0j, math.sqrt(share) * self.of_two, share)

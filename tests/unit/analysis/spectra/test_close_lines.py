@@ -183,3 +183,26 @@ def test_what_a_converter_folds_to_beside_a_harmonic_is_no_line() -> None:
         block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
         found = current_spectrum(block, "i_a", track_tone(signal)).measurements[0]
         assert found.value == pytest.approx(17.3, abs=2.5e-4)
+
+
+@pytest.mark.parametrize("bins", [1.35, 1.45, -1.45])
+def test_a_line_beside_the_fundamental_is_told_at_any_phase_of_it(bins: float) -> None:
+    """About 1.45 bins away, and elsewhere at two phases, it does not move the phase evenly."""
+    random = np.random.default_rng(11)
+    for phase in np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False):
+        found = found_in(current(random, 1e-3) + beside(1, bins, 0.03, phase))
+        assert found is not None
+        nearest = int(np.argmax(np.abs(found.phasors)))
+        assert (found.places[nearest] - 40) * PERIODS / 40 == pytest.approx(bins, abs=0.05)
+        assert abs(found.phasors[nearest]) == pytest.approx(0.03, rel=0.1)
+
+
+def test_a_load_that_moves_the_fundamental_alone_is_no_line() -> None:
+    """Its amplitude or its phase, to and fro: on both sides alike."""
+    random, time = np.random.default_rng(12), ROW / len(ROW)
+    swing = np.sin(2.0 * np.pi * 1.45 * time + 0.7)
+    for larger, load_angle in ((0.02 * swing, 0.0 * swing), (0.0 * swing, 0.02 * swing)):
+        signal = current(random, 1e-4, load_angle=load_angle)
+        signal += larger * np.cos(2.0 * np.pi * ROW / PER_PERIOD)
+        found = found_in(signal)
+        assert found is None or np.all(np.abs(found.phasors[np.abs(found.places - 40) < 2]) < 1e-3)

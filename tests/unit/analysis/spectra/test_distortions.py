@@ -206,3 +206,18 @@ def test_a_phase_that_wanders_too_little_to_be_followed_is_no_noise(deviation_ra
         assert found.uncertainty.standard < 0.02 * truth
         errors.append((found.value - truth) / found.uncertainty.standard)
     assert np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_a_line_that_a_record_has_few_cycles_of_is_uncertain_by_where_in_them_it_begins() -> None:
+    """Its mean square over the record is another with each phase, and part of it is in the bin of dc."""
+    turned, errors = np.arange(round(200 * 20.3)) / 200.0, []
+    truth = math.hypot(3.0, 2.0, 4.0, 100.0 * math.sqrt(2.0 * 0.9) * 2e-3)
+    for seed in range(16):
+        random = np.random.default_rng(seed)
+        slow = 0.04 * np.cos(2 * np.pi * turned * random.uniform(0.14, 0.18) + random.uniform(0, 6.28))
+        signal = np.cos(2 * np.pi * turned) + 0.02 * np.cos(14 * np.pi * turned)
+        signal += 0.03 * np.cos(10 * np.pi * turned + random.uniform(0, 6.28))
+        found = with_noise(signal + slow + 2e-3 * random.standard_normal(len(turned)))
+        assert found.uncertainty is not None
+        errors.append((found.value - truth) / found.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.5
