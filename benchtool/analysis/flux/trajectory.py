@@ -36,6 +36,7 @@ from benchtool.analysis.statistics.scatter import (
     error_of_root,
     is_memory_untold,
 )
+from benchtool.analysis.statistics.straight_lines import slope_of
 from benchtool.analysis.torque.means_of_periods import Periods
 from benchtool.analysis.torque.ripple_extremes import Tails, extremes_of_ripple
 from benchtool.analysis.torque.slow_ripple import SlowRipple
@@ -153,12 +154,17 @@ class _Revolutions:
 
     def without_growth(self, growth: complex) -> NDArray[np.complex128]:
         """Return the orders, shape (revolutions, orders), without what a `growth` of order 1 in each
-        revolution adds to the others: over 2 pi to the centre, and a sixth of that to orders -5 and 7."""
+        revolution adds to the others: over 2 pi to the centre, and a sixth of that to orders -5 and 7; nor
+        what the centre, which drifts along a line by more or less, adds to them."""
         found, rows = self.orders.copy(), len(self.path) / len(self.parts)
-        for column, order in enumerate(ORDERS):
-            if order != 1:
-                turned = np.exp(1j * (1 - order) * self.begin_rad)
-                found[:, column] -= growth * turned / (rows * (np.exp(2j * np.pi * (1 - order) / rows) - 1.0))
+        centre = self.orders[:, ORDERS.index(0)]
+        drift = complex(slope_of(centre.real), slope_of(centre.imag))
+        for moving, by in ((1, growth), (0, drift)):
+            for column, order in enumerate(ORDERS):
+                if order != moving:
+                    turned = np.exp(1j * (moving - order) * self.begin_rad)
+                    around = rows * (np.exp(2j * np.pi * (moving - order) / rows) - 1.0)
+                    found[:, column] -= by * turned / around
         return found
 
     def without(self, *orders: int) -> NDArray[np.complex128]:

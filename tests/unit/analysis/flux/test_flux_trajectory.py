@@ -260,3 +260,14 @@ def test_steps_make_the_extremes_of_a_radius_larger_and_its_hexagon_another(nois
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert np.all(rms < 1.6)
     assert np.all(rms > 0.3)
+
+
+def test_a_centre_that_drifts_is_no_hexagon() -> None:
+    """Within a revolution a line is in all orders, over 2 pi and their distance from the centre."""
+    turns = 41.3
+    psi = 0.12 * np.exp(1j * _turns(turns)) + (0.008 + 0.003j) * np.linspace(-0.5, 0.5, ROWS)
+    noise = np.random.default_rng(4).standard_normal((2, ROWS))
+    found = _number(psi + 1e-5 * (noise[0] + 1j * noise[1]), "flux_radius_order_6")
+    assert found.uncertainty is not None
+    assert found.value < 2.0 * found.uncertainty.standard
+    assert found.uncertainty.standard < 1e-6
