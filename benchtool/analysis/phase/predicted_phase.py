@@ -24,6 +24,7 @@ _SIZES = (5, 7, 10, 14)
 _TAPS = 8  # to either side of a place between phases
 _REACH = 8  # periods
 _ROWS_EACH = 5  # places at least within the record, for each weight
+_LEAST_BEND = 0.01  # of the largest: by less, as by digits, weights are told that nothing at an end bears out
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def _foreseen(phase_rad: Floats, size: int, by: float) -> tuple[Floats, float]:
         missed.append(after[last] - before @ polynomial)
         bends.append(before @ differences.T)
     missing, bend = np.concatenate(missed), np.concatenate(bends)
-    shares = np.asarray(np.linalg.lstsq(bend, missing, rcond=None)[0])
+    shares = np.asarray(np.linalg.lstsq(bend, missing, rcond=_LEAST_BEND)[0])
     left2 = float(np.mean(np.square(missing - bend @ shares)))
     rows, told = len(missed[0]), len(shares)  # both directions are of the same phases
     return polynomial + shares @ differences, left2 * (rows + told) / (rows - told) + error2

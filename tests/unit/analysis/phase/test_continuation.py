@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from benchtool.analysis import current_spectrum
 from benchtool.analysis.periods import track_tone
 from benchtool.analysis.phase.continuation import continuation
 from benchtool.analysis.phase.turned_phase import turned_by_tone
 from benchtool.analysis.spectra.separation import separate
+from benchtool.block import Block
 
 RATE_HZ, F_HZ, PERIODS = 10_000.0, 200.0, 60.3
 
@@ -36,6 +38,20 @@ def test_a_swing_of_four_periods_goes_on() -> None:
         stated.append(math.sqrt(found.error2(0.7)))
     assert max(map(abs, errors)) < 5e-4
     assert max(stated) < 5e-4
+
+
+def test_what_digits_do_to_every_third_phase_is_no_swing() -> None:
+    """Rows are at the same places of every third period, and were rounded there alike."""
+    random, errors = np.random.default_rng(2), []
+    for _ in range(6):
+        theta = 2.0 * np.pi * 3.0 / 500.0 * np.arange(20_000) + random.uniform(0.0, 2.0 * np.pi)
+        wave = np.cos(theta) + 0.02 * np.cos(5 * theta + random.uniform(0.0, 2.0 * np.pi))
+        wave += 0.02 * np.cos(7 * theta + random.uniform(0.0, 2.0 * np.pi))
+        block = Block.from_arrays(10_000.0, {"i_a": "A"}, i_a=np.round(5.0 * wave, 4))
+        frequency = current_spectrum(block, "i_a", track_tone(block.column("i_a"))).measurements[0]
+        assert frequency.uncertainty is not None
+        errors.append((frequency.value - 60.0) / frequency.uncertainty.standard)
+    assert np.max(np.abs(errors)) < 3.0
 
 
 def test_noise_is_that_of_fourth_differences() -> None:
