@@ -81,7 +81,7 @@ def _between_rows_rad(measured_rad: Floats) -> float:
     """Return the noise of an angle, rms, by how it is thrown back from row to row, all over the record.
 
     Neighbouring second differences have a covariance of -4 times the variance of white noise. A jump, as of
-    an angle that is set anew in each revolution, goes there and not on; that of a speed goes on.
+    an angle that is set again in each revolution, goes there and not on; that of a speed goes on.
     """
     bends = np.diff(measured_rad, 2)
     return 0.5 * math.sqrt(max(0.0, -float(np.mean(bends[1:] * bends[:-1]))))
