@@ -107,9 +107,9 @@ def test_a_value_without_an_uncertainty_says_why(name: str) -> None:
     assert all(each.uncertainty_reason for each in bare), bare
 
 
-@pytest.mark.parametrize(("name", "is_noise"), [("encoder_500_swing_fast", True), ("speed_walk", False)])
+@pytest.mark.parametrize(("name", "is_noise"), [("swing_encoder_512", True), ("speed_walk", False)])
 def test_steps_of_an_angle_count_at_both_ends_unless_they_are_its_noise(name: str, is_noise: bool) -> None:
-    """Five hundred counts scatter about the angle; of ten thousand, five a sample, all may lie alike."""
+    """512 counts scatter about the angle; of ten thousand, five a sample, all may lie alike."""
     found = {each.name: each for each, _ in FAMILIES[name].trial(np.random.default_rng(3))}
     uncertain = found["fundamental_frequency"].uncertainty
     assert uncertain is not None
