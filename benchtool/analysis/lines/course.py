@@ -33,6 +33,15 @@ class Change:
 
 
 @dataclass(frozen=True)
+class Repeated:
+    """What is done in every turn alike: its `values` about zero, shape (n,), and the `standard` uncertainty
+    of how far these get from the first to the last, by what differs from turn to turn."""
+
+    values: Floats
+    standard: float
+
+
+@dataclass(frozen=True)
 class _Course:
     """A random course over n means, of covariance `together`, shape (n, n), `with_end` of its change, shape
     (n,), and `of_end`. Beside a quadratic it has `variances`, shape (n - 3,), along a `basis`, shape (n, n -
@@ -46,16 +55,17 @@ class _Course:
     of_end: float
 
 
-def repeated_in_turns(values: Floats, turns: Floats) -> Floats:
-    """Return what `values` do in every turn alike, about zero; both of shape (n,), `turns` rising from zero.
+def repeated_in_turns(values: Floats, turns: Floats) -> Repeated:
+    """Return what `values` do in every turn alike; both of shape (n,), `turns` rising from zero.
 
     Means over the turns at up to 64 places in them, without what the means of whole turns rise, less the
-    share of their power that what differs from turn to turn leaves in them; zero of fewer than two turns.
+    share of their power that what differs from turn to turn leaves in them (Wiener's estimate, with its
+    error); zero of fewer than two turns.
     """
     whole = int(turns[-1])
     places = min(_MOST_PLACES, int(0.5 * len(turns) / max(float(turns[-1]), 1.0)))
     if whole < FEWEST_TURNS or places < _FEWEST_PLACES:
-        return np.zeros(len(values))
+        return Repeated(np.zeros(len(values)), 0.0)
     cells = whole * places
     cell = np.minimum(np.floor(turns * places).astype(np.int64), cells)
     count = np.maximum(1, np.bincount(cell, minlength=cells)[:cells])
@@ -65,8 +75,12 @@ def repeated_in_turns(values: Floats, turns: Floats) -> Floats:
     shape = np.mean(table, axis=0)
     power, noise = float(np.mean(shape**2)), float(np.mean(np.var(table, axis=0, ddof=1))) / whole
     if not power > noise:
-        return np.zeros(len(values))
-    return np.asarray((1.0 - noise / power) * np.interp(turns % 1.0, centre, shape, period=1.0))
+        return Repeated(np.zeros(len(values)), 0.0)
+    share = 1.0 - noise / power
+    found = share * np.interp(turns % 1.0, centre, shape, period=1.0)
+    between = abs(float(turns[-1]) % 1.0 - float(turns[0]) % 1.0)
+    apart = min(1.0, places * min(between, 1.0 - between))  # ends at one place err alike
+    return Repeated(np.asarray(found), apart * math.sqrt(2.0 * share * noise))
 
 
 def change_over_record(means: Floats) -> Change:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import FIRST_ROW, rows_of
-from benchtool.analysis.lines.course import FEWEST_TURNS, change_over_record, repeated_in_turns
+from benchtool.analysis.lines.course import FEWEST_TURNS, Repeated, change_over_record, repeated_in_turns
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.steady_departure import steady_departure
 from benchtool.analysis.phase.turned_phase import Turned
@@ -27,6 +28,7 @@ _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _PASSES = 2
 _BEYOND = 3.0  # standard uncertainties of the angle
 _PLACES = 64  # in a period
+_OF_REPEATED = "what is the same in every turn, by what differs from turn to turn"
 _OF_EITHER = "what may be the rotor's or an error of its sensor"
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
@@ -50,7 +52,8 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
         line_rad = np.linspace(0.0, counted.phase_rad, track.samples)
         departed = _with_departure(counted, track, seen, line_rad - smooth_rad)
         return _with_tone(counted, by_tone) if departed is counted else departed
-    repeated_rad = _repeated(track, smooth_rad, track.measured_rad)
+    repeated = _repeated(track, smooth_rad, track.measured_rad)
+    repeated_rad = repeated.values
     measured_rad = track.measured_rad - repeated_rad
     within_rad = _within_periods(track, smooth_rad, repeated_rad)
     may_be_rad = float(repeated_rad[-1] - repeated_rad[0]) - within_rad
@@ -74,7 +77,10 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
     elif result is turned and by_tone is not None and track.departure is None and _shows_turns(track):
         beside = beyond_noise(_beside_angle(track, seen, measured_rad - smooth_rad), seen.amplitude)
         result = turned.with_either(by_tone, beside.excess_rad)
-    return _with_half(result, within_rad, may_be_rad)
+    result = _with_half(result, within_rad, may_be_rad)
+    # as likely all of it is in the phase as none
+    of_repeated = Contribution(_OF_REPEATED, "A", math.sqrt(0.5) * repeated.standard)
+    return replace(result, budget=(*result.budget, of_repeated))
 
 
 def _between_rows_rad(measured_rad: Floats) -> float:
@@ -176,22 +182,24 @@ def _of_beats(track: PhaseTrack) -> float:
     return of_slow_beats(track.resolution_rad, per_row, track.samples, track.residual_rad or 0.0)
 
 
-def _repeated(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Floats:
-    """Return what the angle does about the smooth phase in every revolution or period alike, shape (n,).
+def _repeated(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Repeated:
+    """Return what the angle does about the smooth phase in every revolution or period alike.
 
     It is the rotor's or an error of its sensor, such as that of a resolver: each is as likely, and half of it
     a standard deviation away from both. It tilts the smooth phase, by which turns are told: without that they
     are told once more.
     """
     place = np.linspace(-1.0, 1.0, track.samples)
-    repeated_rad, tilt_rad = np.zeros(track.samples), 0.0
+    repeated_rad, tilt_rad, standard_rad = np.zeros(track.samples), 0.0, 0.0
     for _ in range(_PASSES):
         steady_rad = smooth_rad + tilt_rad * place
         turns, left_rad = (steady_rad - steady_rad[0]) / (2.0 * math.pi), measured_rad - steady_rad
         of_revolution = repeated_in_turns(left_rad, turns / track.pole_pairs)
-        repeated_rad = of_revolution + repeated_in_turns(left_rad - of_revolution, turns)
+        of_period = repeated_in_turns(left_rad - of_revolution.values, turns)
+        repeated_rad = of_revolution.values + of_period.values
+        standard_rad = math.hypot(of_revolution.standard, of_period.standard)
         tilt_rad = 3.0 * float(np.mean(place * (measured_rad - repeated_rad - smooth_rad)))
-    return repeated_rad
+    return Repeated(repeated_rad, standard_rad)
 
 
 def _by_course(track: PhaseTrack, smooth_rad: Floats, measured_rad: Floats) -> Turned:

@@ -47,9 +47,21 @@ def test_the_end_of_a_random_walk_of_the_speed_is_told_as_well_as_noise_allows(n
 def test_what_repeats_is_found_beside_a_drift_and_only_of_two_turns() -> None:
     turns = np.linspace(0.0, 7.4, 3_000)
     own = 0.1 * np.sin(2 * np.pi * turns + 1.0) + 0.03 * np.cos(6 * np.pi * turns)
-    found = repeated_in_turns(own + 0.4 * turns - 0.02 * turns**2, turns)
+    found = repeated_in_turns(own + 0.4 * turns - 0.02 * turns**2, turns).values
     assert float(np.max(np.abs(found - own))) < 5e-3
-    assert not np.any(repeated_in_turns(own[:800], turns[:800]))
+    assert not np.any(repeated_in_turns(own[:800], turns[:800]).values)
+
+
+@pytest.mark.parametrize("last", [7.4, 7.002])
+def test_how_far_what_repeats_gets_over_the_record_is_known_as_noise_allows(last: float) -> None:
+    random, ratio = np.random.default_rng(11), []
+    for _ in range(100):
+        turns = np.linspace(0.0, last, 3_000)
+        own = 0.1 * np.sin(2 * np.pi * (turns + random.uniform()))
+        found = repeated_in_turns(own + 0.1 * random.standard_normal(len(turns)), turns)
+        off = found.values[-1] - found.values[0] - (own[-1] - own[0])
+        ratio.append(float(off) / found.standard)
+    assert 0.7 < math.sqrt(float(np.mean(np.square(ratio)))) < 1.4
 
 
 def _error(
