@@ -42,6 +42,7 @@ MOTOR = Motor(
     I_N_A_rms=5.0,
 )
 RADIUS_WB = 0.17
+_MUCH_LESS = 0.05  # of a step
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ class Flux:
     kind: OfNoise = "white"
     ramp: float = 0.0  # of the radius, relative, over the record
     drift: float = 0.0
+    centre_drift: complex = 0j  # of the centre, relative to the radius, over the record
     breathing: tuple[float, float] = (0.0, 0.0)  # rms of the radius over revolutions, and its memory
     bits: int = 0
     backwards: bool = False
@@ -93,6 +95,7 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
         psi *= 1.0 + rms * coloured(random.standard_normal(int(revolution.max()) + 1), memory)[revolution]
     psi *= np.where(time < 0.5, 1.0, what.second_regime)
     psi *= 1.0 + what.ramp * (time - 0.5)
+    psi += what.centre_drift * (time - 0.5)
     order, size = what.line
     if size:
         psi += size * np.exp(2j * np.pi * (order * what.revolutions * time + random.uniform()))
@@ -100,8 +103,11 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     psi = RADIUS_WB * (psi + what.noise * (parts[0] + 1j * parts[1]))
     if what.backwards:
         psi = np.conj(psi)
+    pp_Wb = OF_THE_ENSEMBLE
     if what.bits:
         step = 2.2 * RADIUS_WB / 2**what.bits * random.uniform(1.0 - OF_RANGE, 1.0 + OF_RANGE)
+        if what.noise * RADIUS_WB <= _MUCH_LESS * step:
+            pp_Wb = float(np.ptp(np.abs(psi)))
         psi = converted(psi.real, step, random, 0.0) + 1j * converted(psi.imag, step, random, 0.0)
     block = Block.from_arrays(
         RATE_HZ, {"psi_alpha": "Wb", "psi_beta": "Wb"}, psi_alpha=psi.real, psi_beta=psi.imag
@@ -115,7 +121,7 @@ def _flux(what: Flux, random: np.random.Generator) -> Found:
     truths = {
         "flux_radius_mean": RADIUS_WB * mean * 0.5 * (1.0 + what.second_regime),
         "flux_radius_rms": RADIUS_WB * math.sqrt(variance),
-        "flux_radius_pp": OF_THE_ENSEMBLE,
+        "flux_radius_pp": pp_Wb,
         "flux_centre_offset": RADIUS_WB * what.centre,
         "flux_radius_order_6": RADIUS_WB * abs(np.conj(fifth) + seventh),
     }
@@ -343,6 +349,12 @@ KINDS: Mapping[str, Kind] = {
     "flux_breathing_long": replace(_FLUX, breathing=(0.01, 0.8), revolutions=400.3),
     "flux_breathing_slow": replace(_FLUX, breathing=(0.01, 0.95), revolutions=400.3),
     "flux_bits_8": replace(_FLUX, bits=8, noise=1e-4),
+    "flux_bits_7_quiet": replace(_FLUX, bits=7, noise=1e-5, hexagon=(0.025, 0.0), revolutions=50.2),
+    "flux_bits_10_noise": replace(_FLUX, bits=10, noise=4e-4, hexagon=(0.017, 0.0), revolutions=50.4),
+    "flux_centre_drifts": replace(
+        _FLUX, hexagon=(0.0, 0.0), centre=0.0, centre_drift=0.03j, revolutions=50.3
+    ),
+    "flux_fifty_pink": replace(_FLUX, kind="pink", noise=8e-3, revolutions=50.6),
     "flux_backwards": replace(_FLUX, backwards=True),
     "flux_reversal": replace(_FLUX, reverses=True),
     "flux_two_regimes": replace(_FLUX, second_regime=0.6),

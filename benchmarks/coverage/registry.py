@@ -37,6 +37,7 @@ from benchmarks.coverage import (
     stale_rows,
     stamps,
     threes,
+    unfollowed,
     unusual,
 )
 from benchmarks.coverage.families import Family
@@ -54,6 +55,7 @@ FAMILIES: Mapping[str, Family] = {
         *balances.FAMILIES,
         *inverter_states.FAMILIES,
         *unusual.FAMILIES,
+        *unfollowed.FAMILIES,
         *encoder_speeds.FAMILIES,
         *mixed.FAMILIES,
         *encounters.FAMILIES,

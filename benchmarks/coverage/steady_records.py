@@ -76,6 +76,8 @@ class Disturbance:
     wobble_rad: tuple[float, int] = (0.0, 1)  # rms of the encoder's own error, and its order
     slip: float = 0.0
     angle_noise_rad: float = 0.0
+    angle_index_rad: float = 0.0  # rms, of an angle that is set anew in each revolution
+    angle_wander: tuple[float, float] = (0.0, 1.0)  # of the encoder's own error, rad, and its frequency, Hz
     time_jitter: float = 0.0  # of a sample period, rms
     spikes: float = 0.0  # relative height, some ten in a record
     chirp: tuple[float, float, float] = (0.0, 1.0, 1.0)  # relative amplitude; first and last order
@@ -185,6 +187,13 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
     angle = theta_true * (1.0 + what.slip)
     angle += math.sqrt(2.0) * rms_rad * np.sin(order_of_wobble * theta_true + random.uniform(0, 2 * np.pi))
     angle += what.angle_noise_rad * random.standard_normal(count)
+    if what.angle_index_rad:
+        revolution = np.floor(theta_true / (2 * np.pi)).astype(np.int64)
+        revolution -= revolution.min()
+        angle += what.angle_index_rad * random.standard_normal(int(revolution.max()) + 1)[revolution]
+    size_rad, wander_Hz = what.angle_wander
+    if size_rad:
+        angle += size_rad * np.sin(2 * np.pi * wander_Hz * time_s + random.uniform(0, 2 * np.pi))
     angle = np.mod(angle, 2 * np.pi)
     if what.counts:
         angle = np.floor(angle * what.counts / (2 * np.pi)) * (2 * np.pi / what.counts)

@@ -290,7 +290,7 @@ def _centre_beyond_its_scatter(flux: _Revolutions) -> tuple[float, float]:
     """Return how far the centre is from zero, and the standard uncertainty of that by what moves it too
     slowly to be in the scatter of the revolutions: the mean square of the radius has half of its square."""
     centre = flux.without_growth(growth_within(flux.orders[:, 1])[0])[:, 0]
-    length, _, along = length_of_mean(centre, flux.after, flux.of_centre if flux.are_few else None)
+    length, _, along = length_of_mean(centre, flux.after, flux.of_centre)
     own, dof = along.standard / students_deviation(along.dof), max(1.0, len(centre) - 1.0)
     by_scatter = math.sqrt(0.5 * float(np.var(centre)) / dof) * students_deviation(dof)
     return length, math.sqrt(max(own**2 - by_scatter**2, 0.0))
@@ -302,7 +302,7 @@ def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
     found, other = flux.without_growth(growth), flux.without_growth(growth + of_growth)
     centre, apart = found[:, 0], other[:, 0] - found[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    length, bias, along = length_of_mean(centre, flux.after, flux.of_centre if flux.are_few else None)
+    length, bias, along = length_of_mean(centre, flux.after, flux.of_centre)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
     of_steps = Contribution("resolution", "B", flux.steps.of_centre(complex(np.mean(centre))))
     yield flux.number("flux_centre_offset", text, length, along, by_scatter, _grows(centre, apart), of_steps)

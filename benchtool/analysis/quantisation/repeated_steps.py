@@ -38,6 +38,7 @@ _WHOLE = 0.5  # of the distance of such points: rows that move by less over the 
 _TERMS = 20  # with which a share is computed
 _FEW = 8.0  # steps, from least to greatest: below it a record does not show what its waveform is
 _FEWEST_TURNS = 2
+_NEAR = 2.0  # times as far apart as places of samples are on average
 _FEWEST_CELLS, _CELLS_PER_POINT = 12, 32  # powers of two; of a period
 _NOT_FOLLOWED, _COHERENT = 2.0, 0.5  # times the noise; share of a harmonic's power that is in the mean
 _OF_SMEARED = 0.5  # share of what does not repeat, by harmonics whose phases wander
@@ -297,8 +298,10 @@ class _Repeated:
         phasors = fft.rfft(sums)[1 : points // 2 + 1] * (2.0 / len(values))
         if points % 2 == 0:
             phasors[-1] *= 0.5
-        # neighbours in the order of their places are apart by noise alone
-        left = 0.5 * float(np.mean(np.diff(values[np.argsort(place, kind="stable")]) ** 2))
+        # neighbours in the order of their places are apart by noise alone, where these are the same
+        order = np.argsort(place, kind="stable")
+        near = np.diff(place[order]) < _NEAR / len(values)
+        left = 0.5 * float(np.mean(np.diff(values[order])[near] ** 2)) if np.any(near) else math.inf
         # nor are periods that the track does not follow closely, which leave neighbouring samples alike
         noise2 = min(left, float(np.mean(np.diff(samples, 2) ** 2)) / 6.0)
         if left > _NOT_FOLLOWED * noise2:

@@ -124,11 +124,15 @@ def close_lines(
             own = found.pop(index, None)
             if own is None and not stands_out[index]:
                 continue
+            seen = around
             if own is not None:  # what it makes of itself by its negative frequency stays out
                 above, below = own.of_bins(number, count)
                 below[index] = 0.0
+                # and of other harmonics, by which it is told what moves them
+                seen = around.copy()
                 around += above + below
-            line = _beside(around, floor2, index, number[index], count, course)
+                seen[index] = around[index]
+            line = _beside(seen, floor2, index, number[index], count, course)
             if line is not None:
                 found[index] = line
                 around -= _made({index: line}, number, count)
