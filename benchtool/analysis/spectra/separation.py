@@ -159,9 +159,7 @@ class Separation:
         if groups is None:
             return None
         # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
-        is_like_them = self.others is not None and (
-            self.track.departure is None or not len(self.others.places)
-        )
+        is_like_them = self.taken is not None and (self.track.departure is None or not len(self.taken.places))
         steady = self.steady
         if self.close.lines is not None:  # which are in the groups of their harmonics
             steady = with_steady_amplitude(self.between, self.alone.amplitude, self.turns, FIRST_ROW)
@@ -172,8 +170,8 @@ class Separation:
         if of_lines is None:
             return None
         scatter = (0.0, 0.0)
-        if self.others is not None:
-            scatter = scatter_of_phases(self.clean, self.others, groups, self.course)
+        if self.taken is not None:
+            scatter = scatter_of_phases(self.clean, self.taken, groups, self.course)
         return Beside(self.between, of_lines, *scatter)
 
 

@@ -271,3 +271,16 @@ def test_a_centre_that_drifts_is_no_hexagon() -> None:
     assert found.uncertainty is not None
     assert found.value < 2.0 * found.uncertainty.standard
     assert found.uncertainty.standard < 1e-6
+
+
+def test_samples_at_the_same_places_of_all_revolutions_show_their_noise() -> None:
+    """Neighbouring places are several steps apart, which is no noise that would hide the steps."""
+    random, errors, step = np.random.default_rng(9), [], 4e-4
+    for radius in 0.17 + step * random.uniform(-1.0, 1.0, 12):
+        psi = radius * np.exp(1j * _turns(50.0)) + 0.002
+        psi += 0.15 * step * (random.standard_normal(ROWS) + 1j * random.standard_normal(ROWS))
+        read = step * (np.round(psi.real / step) + 1j * np.round(psi.imag / step))
+        found = _number(read, "flux_centre_offset")
+        assert found.uncertainty is not None
+        errors.append((found.value - 0.002) / found.uncertainty.standard)
+    assert np.sqrt(np.mean(np.square(errors))) < 1.6

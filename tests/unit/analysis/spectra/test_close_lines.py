@@ -206,3 +206,25 @@ def test_a_load_that_moves_the_fundamental_alone_is_no_line() -> None:
         signal += larger * np.cos(2.0 * np.pi * ROW / PER_PERIOD)
         found = found_in(signal)
         assert found is None or np.all(np.abs(found.phasors[np.abs(found.places - 40) < 2]) < 1e-3)
+
+
+def test_a_line_that_leaks_to_all_harmonics_is_told_by_them_all_the_same() -> None:
+    """And where windows cut it, the groups of harmonics are uncertain by its phase."""
+    errors = []
+    for seed in range(10):
+        random = np.random.default_rng(seed)
+        signal = current(random, 1e-3) + beside(1, -1.45, 0.03, random.uniform(0.0, 2.0 * np.pi))
+        theta_m = 2.0 * np.pi * ROW / PER_PERIOD
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=signal)
+        found = current_spectrum(block, "i_a", track_angle(theta_m, 1))
+        row = found.tables[0].rows[4]
+        subgroups = next(each for each in found.measurements if each.name == "current_thd_f_subgroups")
+        assert subgroups.uncertainty is not None
+        # of noise, three bins of each order from the second on
+        truth = 100.0 * np.sqrt(
+            sum(a**2 for k, a in LINES.items() if k > 1) + 49 * 3 * 2e-6 / (10 * PER_PERIOD)
+        )
+        errors.append(
+            [(row[2] - LINES[5]) / row[5], (subgroups.value - truth) / subgroups.uncertainty.standard]
+        )
+    assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < 1.6)
