@@ -220,7 +220,7 @@ SECTIONS: Final = (
         "The uncertainty of harmonics by what is around the lines, and sinusoids that are taken out "
         "(`benchtool.analysis.spectra`).",
         """
-        0147 0159 0188 0446 0273 0318 0272 0276 0486 0411 0412 0464 0469
+        0147 0159 0188 0446 0273 0318 0272 0276 0486 0411 0412 0464 0469 0528 0530
         """,
     ),
     Section(
@@ -254,7 +254,7 @@ SECTIONS: Final = (
         "Centre, radius and orders of the stator flux, and symmetrical components of the currents "
         "(`benchtool.analysis.flux`, `benchtool.analysis.spectra.unbalance`).",
         """
-        0219 0289 0314 0363 0407
+        0219 0289 0314 0363 0407 0529
         0042 0293 0302 0316 0341 0492 0498
         """,
     ),
