@@ -76,7 +76,7 @@ class Disturbance:
     wobble_rad: tuple[float, int] = (0.0, 1)  # rms of the encoder's own error, and its order
     slip: float = 0.0
     angle_noise_rad: float = 0.0
-    angle_index_rad: float = 0.0  # rms, of an angle that is set anew in each revolution
+    angle_index_rad: float = 0.0  # rms, of an angle that is set again in each revolution
     angle_wander: tuple[float, float] = (0.0, 1.0)  # of the encoder's own error, rad, and its frequency, Hz
     time_jitter: float = 0.0  # of a sample period, rms
     spikes: float = 0.0  # relative height, some ten in a record
