@@ -59,8 +59,8 @@ def repeated_in_turns(values: Floats, turns: Floats) -> Repeated:
     """Return what `values` do in every turn alike; both of shape (n,), `turns` rising from zero.
 
     Means over the turns at up to 64 places in them, without what the means of whole turns rise, less the
-    share of their power that what differs from turn to turn leaves in them (Wiener's estimate, with its
-    error); zero of fewer than two turns.
+    share of their power that what differs from turn to turn leaves in them (Wiener's estimate, and the noise
+    in that); zero of fewer than two turns.
     """
     whole = int(turns[-1])
     places = min(_MOST_PLACES, int(0.5 * len(turns) / max(float(turns[-1]), 1.0)))
@@ -80,7 +80,7 @@ def repeated_in_turns(values: Floats, turns: Floats) -> Repeated:
     found = share * np.interp(turns % 1.0, centre, shape, period=1.0)
     between = abs(float(turns[-1]) % 1.0 - float(turns[0]) % 1.0)
     apart = min(1.0, places * min(between, 1.0 - between))  # ends at one place err alike
-    return Repeated(np.asarray(found), apart * math.sqrt(2.0 * share * noise))
+    return Repeated(np.asarray(found), apart * share * math.sqrt(2.0 * noise))
 
 
 def change_over_record(means: Floats) -> Change:
