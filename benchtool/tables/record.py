@@ -98,7 +98,7 @@ class Record:
 
     @cached_property
     def lost_angle(self) -> NDArray[np.bool_]:
-        """Which of the rows repeat the angle of the one before though the rotor turned, shape (n,)."""
+        """Which of the rows have an angle that stood still though the rotor turned, shape (n,)."""
         if "angle" in self.channels:
             try:
                 return held_angle(unwrapped_angle(self.column("angle"), self.channels["angle"].name))
@@ -113,7 +113,7 @@ class Record:
             return ""
         first, count = int(np.argmax(self.lost_angle)), int(np.count_nonzero(self.lost_angle))
         return (
-            f"'{self.channels['angle'].name}' stands still from row {first - 1} (from 0) on, in "
+            f"'{self.channels['angle'].name}' stands still from row {first} (from 0) on, in "
             f"{count_of(count, 'row')} in all, while the rotor turned (its sensor or its link was lost)"
         )
 

@@ -71,7 +71,7 @@ def test_orders_leave_out_rows_of_which_the_angle_was_lost(tmp_path: Path, even:
     assert abs(order.value - 0.1) < 3.0 * order.uncertainty.standard
     mean = numbers(found)["torque_mean"]
     assert mean.uncertainty is None
-    assert "'angle' stands still from row 500 (from 0) on, in 199 rows in all" in mean.uncertainty_reason
+    assert "'angle' stands still from row 500 (from 0) on, in 200 rows in all" in mean.uncertainty_reason
 
 
 def test_an_angle_that_was_lost_gives_no_spectrum_and_no_mean_speed(tmp_path: Path) -> None:
