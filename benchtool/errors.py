@@ -100,8 +100,7 @@ class AnalysisError(UsageError):
 
 
 class SetUpError(AnalysisError):
-    """The data tell of a set-up that is not as it should be: what was seen, its probable cause, the
-    remedy."""
+    """The data tell of a set-up that is wrong: what was seen, its probable cause, the remedy."""
 
     def __init__(self, what: str, cause: str, remedy: str) -> None:
         super().__init__(f"{what}: {cause}; {remedy}")

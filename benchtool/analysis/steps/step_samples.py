@@ -37,7 +37,9 @@ def plateau_numbers(
         since = arrived
     reason = ""
     if not end:
-        reason = "the reference leaves its greatest value before the signal reaches it"
+        is_held = step.leaves >= len(step.r)
+        ends = "record ends" if is_held else "reference leaves its greatest value"
+        reason = f"the {ends} before the signal reaches what the reference asks for"
     elif not math.isfinite(since.standard):
         reason = UNDECIDED
     values = step.sign * step.y[:end]
