@@ -11,6 +11,7 @@ from benchtool.analysis.flux.trajectory import flux_trajectory
 from benchtool.analysis.measurement import Measurement
 from benchtool.block import Block, Channel
 from benchtool.errors import AnalysisError
+from tests.at_length import at_length
 
 CHANNELS = (Channel("psi_alpha", "Wb"), Channel("psi_beta", "Wb"))
 ROWS = 5000
@@ -241,7 +242,7 @@ def test_a_radius_that_swings_slowly_has_its_extremes_in_every_record() -> None:
     assert 0.5 < np.median(stated) / np.std(values, ddof=1) < 2.0
 
 
-@pytest.mark.parametrize("noise", [0.02, 0.3])
+@pytest.mark.parametrize("noise", [0.02, *at_length(0.3)])
 def test_steps_make_the_extremes_of_a_radius_larger_and_its_hexagon_another(noise: float) -> None:
     """In steps, of both coordinates: the noise is a part of one."""
     random, errors = np.random.default_rng(3), []

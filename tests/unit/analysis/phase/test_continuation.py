@@ -43,7 +43,7 @@ def test_a_swing_of_four_periods_goes_on() -> None:
 def test_what_digits_do_to_every_third_phase_is_no_swing() -> None:
     """Rows are at the same places of every third period, and were rounded there alike."""
     random, errors = np.random.default_rng(2), []
-    for _ in range(6):
+    for _ in range(4):
         theta = 2.0 * np.pi * 3.0 / 500.0 * np.arange(20_000) + random.uniform(0.0, 2.0 * np.pi)
         wave = np.cos(theta) + 0.02 * np.cos(5 * theta + random.uniform(0.0, 2.0 * np.pi))
         wave += 0.02 * np.cos(7 * theta + random.uniform(0.0, 2.0 * np.pi))

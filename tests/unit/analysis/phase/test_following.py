@@ -222,7 +222,7 @@ def test_a_swing_slower_than_the_record_is_the_rotors_or_its_sensors() -> None:
     assert 0.4 < abs(found.value - of_fit) / standard(found) < 1.0
 
 
-@pytest.mark.parametrize("kind", ["each revolution", "slowly"])
+@pytest.mark.parametrize("kind", ["each revolution", *at_length("slowly")])
 def test_an_angle_that_errs_without_noise_is_held_against_the_phase_of_the_signal(kind: str) -> None:
     """Each sample of it is exact, and so are both ends: what it does from revolution to revolution, or over
     the record, is no course of the rotor where the signal does not have it."""
