@@ -6,7 +6,7 @@ import itertools
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Final
@@ -50,7 +50,10 @@ _REMEDIES: Final[Mapping[FileKind, str]] = {
     FileKind.EDS: "name it in a profile, [drive] with eds = \"{path}\", or see 'benchtool info --eds {path}'",
     FileKind.MANIFEST: "its folder, {folder}, is for 'benchtool analyze', 'report' and 'compare'",
     FileKind.RUN: "measure it with 'benchtool analyze {path}'",
+    FileKind.TABLE: "measure its columns with 'benchtool analyze --csv {path}'",
 }
+
+_FEWEST_ROWS = 2
 
 
 def kind_of(path: Path) -> FileKind | None:
@@ -73,7 +76,7 @@ def kind_of(path: Path) -> FileKind | None:
     try:
         content = tomllib.loads(text)
     except (ValueError, RecursionError):
-        return None
+        return FileKind.TABLE if _has_rows(text) else None
     found = [kind for kind, keys in _KEYS.items() if keys & content.keys()]
     if not found and "bench" in content:
         return FileKind.BENCH
@@ -88,6 +91,24 @@ def mistaken(path: Path, expected: FileKind) -> str:
         return ""
     remedy = _REMEDIES[found].format(path=path, folder=path.parent)
     return f"{path} is a {found}, and a {expected} is expected: {remedy}"
+
+
+def _has_rows(text: str) -> bool:
+    """Return whether the last whole lines of a text are rows of numbers."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    if len(text) == _MOST_BYTES:
+        del lines[-1:]  # it was cut
+    last = lines[-_FEWEST_ROWS:]
+    return len(last) == _FEWEST_ROWS and all(
+        any(_are_numbers(line.split(between)) for between in (";", "\t", ",")) for line in last
+    )
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    try:
+        return len([float(cell.replace(",", ".")) for cell in cells]) > 1
+    except ValueError:
+        return False
 
 
 def _is_manifest(text: str) -> bool:

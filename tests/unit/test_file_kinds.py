@@ -120,3 +120,24 @@ def test_a_file_in_place_of_a_run_is_told_as_what_it_is(tmp_path: Path, verb: st
     told = CliRunner().invoke(app, [verb, str(path)])
     assert told.exit_code in (2, 3)
     assert f"{path} is a {given}, and a folder of a recorded run is expected: " in told.stderr
+
+
+@pytest.mark.parametrize(
+    "rows", ["t,x\n0,1\n1e-3,-2.5\n", "Zeit;Strom\n0,0;1,5\n0,1;-2,5\n", "# x\n1\t2\n3\t4"]
+)
+@pytest.mark.parametrize(("verb", "wanted"), [("run", "plan"), ("analyze", "folder of a recorded run")])
+def test_a_table_in_place_of_another_file_is_told_as_one(
+    tmp_path: Path, verb: str, wanted: str, rows: str
+) -> None:
+    path = tmp_path / "bench.csv"
+    path.write_text(rows, encoding="utf-8")
+    told = CliRunner().invoke(app, [verb, str(path)])
+    assert told.exit_code == 2
+    assert f"a {wanted} is expected: measure its columns with 'benchtool analyze --csv {path}'" in told.stderr
+
+
+@pytest.mark.parametrize("text", ["x = 1\n= 2\n", "1, 2\n", "a,b\nc,d\n", "[motor\n1,2\n", ""])
+def test_a_text_without_rows_of_numbers_is_no_table(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "other.txt"
+    path.write_text(text, encoding="utf-8")
+    assert kind_of(path) is None
