@@ -19,7 +19,7 @@ from benchtool.analysis import (
     flat_crest_remark,
     standing,
 )
-from benchtool.analysis.orders import unwrapped_angle
+from benchtool.analysis.orders import across_gaps, unwrapped_angle
 from benchtool.errors import AnalysisError
 from benchtool.profile import Bench, Instrument
 from benchtool.tables.cells import BLANKS
@@ -218,14 +218,14 @@ def other_speed(record: Record) -> Iterator[Remark]:
     if record.angle_refusal:
         return
     try:
-        angle_rad = unwrapped_angle(record.column("angle"), name)
+        angle_rad = across_gaps(unwrapped_angle(record.column("angle"), name), time_s)
     except AnalysisError:
         return
     elapsed_s = float(time_s[-1] - time_s[0])
     if elapsed_s <= 0.0 or record.base.refusal:
         return
     of_angle = float(angle_rad[-1] - angle_rad[0]) / elapsed_s
-    of_speed = float(np.mean(record.column("speed")))
+    of_speed = float(np.trapezoid(record.column("speed"), time_s)) / elapsed_s
     if abs(abs(of_angle) - abs(of_speed)) > _LARGEST_SLIP * max(abs(of_angle), abs(of_speed)):
         yield Remark(
             RemarkKind.OTHER_SPEED,

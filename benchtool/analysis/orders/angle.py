@@ -128,10 +128,10 @@ def across_gaps(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) -> N
     `times`, with the whole turns in gaps between them that the speed on either side tells."""
     steps, advance = np.diff(times), np.diff(angle_rad)
     is_gap = steps > _GAP * np.median(steps)
-    speeds = advance[~is_gap] / steps[~is_gap]
-    rows = np.flatnonzero(~is_gap)
+    rows = np.flatnonzero(~is_gap & (steps > 0.0))  # coarse stamps stand still
     if not len(rows):
         return angle_rad
+    speeds = advance[rows] / steps[rows]
     fastest = float(np.percentile(np.abs(speeds), 99.0))
     for gap in np.flatnonzero(is_gap & (fastest * steps > 0.25 * TURN)):
         at = int(np.searchsorted(rows, gap))

@@ -9,6 +9,7 @@ import pytest
 
 from benchtool.analysis import Measurement
 from benchtool.tables import TableQuestion, analyze_table
+from benchtool.tables.remarks import RemarkKind
 
 RATE_HZ, ROWS, POLE_PAIRS = 2000.0, 2000, 4
 COLUMNS = {"speed": "omega", "angle": "theta", "current": "ia"}
@@ -93,3 +94,11 @@ def test_the_ends_of_a_speed_count_by_half(tmp_path: Path) -> None:
     np.savetxt(path, np.column_stack(columns), delimiter=",", header="t,omega,theta", comments="")
     found = speed_mean(path, "speed", "angle")
     assert found.value == pytest.approx((theta[-1] - theta[0]) / time_s[-1], abs=1e-5)
+
+
+def test_an_angle_beside_a_gap_advances_at_the_speed_of_its_column(tmp_path: Path) -> None:
+    """The turns in the gap were not counted: 100 rad/s was called 50."""
+    path, _ = wandering(tmp_path, 3, lost=slice(600, 1400))
+    chosen = {each: COLUMNS[each] for each in ("speed", "angle")}
+    answer = analyze_table(TableQuestion(path, "t", chosen, pole_pairs=POLE_PAIRS))
+    assert not any(each.kind is RemarkKind.OTHER_SPEED for each in answer.remarks)
