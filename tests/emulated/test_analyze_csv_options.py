@@ -176,7 +176,7 @@ def test_a_place_that_is_taken_is_refused_before_anything_is_measured(invoke: In
         ((), 2, "neither RUN nor --csv FILE"),
         (("run", "--csv", "a.csv", "--time", "t", "--current", "I"), 2, "both run and --csv a.csv"),
         (("run", "--time", "t"), 2, "columns and motor go with --csv"),
-        (("a.csv", "--time", "t"), 2, "a table of another tool is --csv a.csv"),
+        (("a.csv", "--time", "t"), 2, "a.csv is a table of numbers"),
         (("--csv", "a.csv"), 2, "or state --rate in Hz (it has 1 't', 2 'I')"),
         (("--csv", "no.csv"), 2, "--csv without --time"),
         (("--csv", "a.csv", "--time", "t"), 2, "current, torque or speed (it has 1 't', 2 'I')"),
