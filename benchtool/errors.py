@@ -203,7 +203,7 @@ class StimulusError(DriveError):
 
 
 def of_each(find: Callable[[_Given], _Found], given: Iterable[_Given]) -> list[_Found]:
-    """Return what is found for each of what was given.
+    """Apply `find` to every item and return the results, or raise all refusals at once.
 
     Raises:
         BenchError: that of the first that is refused, with those of the others as its notes.

@@ -53,7 +53,7 @@ _REMEDIES: Final[Mapping[FileKind, str]] = {
     FileKind.TABLE: "measure its columns with 'benchtool analyze --csv {path}'",
 }
 
-_FEWEST_ROWS = 2
+_FEWEST_ROWS, _MOST_OF_ROWS = 2, 1 << 14  # characters at the end, by which rows are told
 
 
 def kind_of(path: Path) -> FileKind | None:
@@ -95,7 +95,7 @@ def mistaken(path: Path, expected: FileKind) -> str:
 
 def _has_rows(text: str) -> bool:
     """Return whether the last whole lines of a text are rows of numbers."""
-    lines = [line for line in text.splitlines() if line.strip()]
+    lines = [line for line in text[-_MOST_OF_ROWS:].splitlines() if line.strip()]
     if len(text) == _MOST_BYTES:
         del lines[-1:]  # it was cut
     last = lines[-_FEWEST_ROWS:]

@@ -10,25 +10,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.spectral_window import hann_response, spectral_window
+from benchtool.analysis.phase.swings import Swings
+from benchtool.analysis.spectral_window import hann_response
 
 Floats = NDArray[np.float64]
 
-_DEGREE = 3  # of a course that is no swing
 _IMAGES = np.arange(-3, 4)
 
 
 def off_swing_rad(phase_rad: Floats) -> float:
     """Return how far, rms, a track is off the phase halfway between its knots, of phases in each period,
     shape (n,), by the spectrum of their swings."""
-    place = np.arange(len(phase_rad), dtype=np.float64)
-    swings = phase_rad - np.polynomial.Polynomial.fit(place, phase_rad, _DEGREE)(place)
-    window = spectral_window("hann", len(swings))
-    power = np.abs(fft.rfft(swings * window)) ** 2 * (2.0 / len(swings) / float(window @ window))
-    missed = _missed(np.arange(len(power)) / len(swings))
+    power = Swings.of(phase_rad).power
+    missed = _missed(np.arange(len(power)) / len(phase_rad))
     return math.sqrt(float(np.sum(power * missed**2)))
 
 

@@ -15,7 +15,7 @@ from numpy import fft
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from benchtool.analysis.spectral_window import spectral_window
+from benchtool.analysis.phase.swings import Swings
 
 Floats = NDArray[np.float64]
 
@@ -87,32 +87,29 @@ def _later(phase_rad: Floats, by: float) -> tuple[tuple[Floats, Floats], float]:
     """Return what the phase is `by` periods after each and, from the last on, before each, both of shape (n,)
     and nan where the record does not tell it, and the mean square error of that, rad^2."""
     count, whole = len(phase_rad), math.floor(by)
-    place = np.arange(count, dtype=np.float64)
-    smooth = np.polynomial.Polynomial.fit(place, phase_rad, _DEGREE + 1)
-    swings = phase_rad - smooth(place)
-    kernel, error2 = _kernel(swings, by - whole) if by > whole else (np.ones(1), 0.0)
+    found = Swings.of(phase_rad)
+    swings, course = found.phase_rad, found.course
+    kernel, error2 = _kernel(found, by - whole) if by > whole else (np.ones(1), 0.0)
     taps = len(kernel) // 2  # to either side of the place; the first value lies after phase taps - 1
     first = max(0, taps - 1)
-    found = []
+    both = []
     for values, direction in ((swings, 1.0), (swings[::-1], -1.0)):
         later = np.full(count, np.nan)
         between = sliding_window_view(values, len(kernel)) @ kernel
         last = np.arange(len(between)) + first - whole
         kept = last >= 0
         at = last[kept] + by
-        later[last[kept]] = between[kept] + smooth(at if direction > 0.0 else count - 1.0 - at)
-        found.append(later)
-    return (found[0], found[1]), error2
+        later[last[kept]] = between[kept] + course(at if direction > 0.0 else count - 1.0 - at)
+        both.append(later)
+    return (both[0], both[1]), error2
 
 
-def _kernel(swings: Floats, fraction: float) -> tuple[Floats, float]:
-    """Return the weights of the phases around a place that interpolate what has the spectrum of swings, shape
-    (n,), best, and the mean square of what they miss of it, rad^2."""
-    window = spectral_window("hann", len(swings))
-    power = np.abs(fft.rfft(swings * window)) ** 2 * (2.0 / len(swings) / float(window @ window))
+def _kernel(swings: Swings, fraction: float) -> tuple[Floats, float]:
+    """Return the weights of the phases around a place that interpolate what has the spectrum of swings best,
+    and the mean square of what they miss of it, rad^2."""
     away = np.arange(1 - _TAPS, _TAPS + 1) - fraction
-    turned = np.exp(2j * np.pi * np.outer(fft.rfftfreq(len(swings)), away))
-    size = np.sqrt(power)
+    turned = np.exp(2j * np.pi * np.outer(fft.rfftfreq(len(swings.phase_rad)), away))
+    size = np.sqrt(swings.power)
     basis = np.concatenate([size[:, np.newaxis] * turned.real, size[:, np.newaxis] * turned.imag])
     sought = np.concatenate([size, np.zeros(len(size))])
     kernel = np.asarray(np.linalg.lstsq(basis, sought, rcond=None)[0])

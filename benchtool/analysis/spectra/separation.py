@@ -37,7 +37,7 @@ from benchtool.analysis.spectra.moving_tones import Course, course_of
 
 Floats = NDArray[np.float64]
 
-_LEFT_OF_JUMP = 0.25
+_LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
