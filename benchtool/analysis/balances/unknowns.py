@@ -19,7 +19,6 @@ from typing import Final
 import numpy as np
 
 from benchtool.analysis.balances.space_vectors import Floats
-from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.statistics.scatter import error_of_series
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
@@ -222,6 +221,5 @@ def _alike(moves: Floats) -> Floats:
             continue
         independent = float(np.std(column)) / math.sqrt(max(1, count - 1))
         if independent > 0.0:
-            experimental = error.standard / students_deviation(error.dof)
-            found[place] = max(1.0, (experimental / independent) ** 2)
+            found[place] = max(1.0, (error.experimental / independent) ** 2)
     return found

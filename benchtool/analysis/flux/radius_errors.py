@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
 from benchtool.analysis.statistics.scatter import (
     MeanError,
@@ -124,12 +123,6 @@ def _pooled(one: MeanError, other: MeanError) -> MeanError:
     has no direction, and the scatter of few revolutions hardly tells it."""
     if not (one.standard > 0.0 and other.standard > 0.0 and math.isfinite(one.dof + other.dof)):
         return one
-    own2, other2 = ((each.standard / students_deviation(each.dof)) ** 2 for each in (one, other))
-    if (
-        min(fisher_above(one.dof, other.dof, own2 / other2), fisher_above(other.dof, one.dof, other2 / own2))
-        < _DIFFER
-    ):
+    if min(one.exceeds_by_chance(other), other.exceeds_by_chance(one)) < _DIFFER:
         return one
-    dof = one.dof + other.dof
-    square = (one.dof * own2 + other.dof * other2) / dof
-    return MeanError(math.sqrt(square) * students_deviation(dof), dof, one.basis)
+    return one.pooled(other)

@@ -12,7 +12,6 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples
-from benchtool.analysis.distributions import students_deviation
 from benchtool.analysis.measurement import Basis, Table
 from benchtool.analysis.numbers import count_of
 from benchtool.analysis.statistics.scatter import MeanError, error_of_series
@@ -195,14 +194,14 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind, of_bursts: float = 0.
     of_bins = slopes**2 * scatter2 / windows
     square, fourth = float(np.sum(of_bins)), float(of_bins @ of_bins)
     dof = max(1.0, 2.0 * square**2 / fourth) if fourth > 0.0 else math.inf
-    apart = MeanError(math.sqrt(square) * students_deviation(dof), dof)
+    apart = MeanError.of_scatter(math.sqrt(square), dof)
     each = power @ slopes
     if windows < FEWEST_WINDOWS:
         return replace(apart, standard=math.hypot(apart.standard, of_bursts * float(np.mean(each))))
     together = error_of_series(each)
     if not math.isfinite(together.standard):  # they wander together: their mean is as good as one of them
         return MeanError(min(apart.standard, float(np.std(each))), windows - 1.0)
-    return together if _exceeds(apart, together, _RARELY) else _pooled(together, apart)
+    return together if apart.exceeds_by_chance(together) < _RARELY else _pooled(together, apart)
 
 
 def scatter_of_begins(coherent: CoherentSamples, highest_harmonic: int) -> Mapping[Kind, float]:
@@ -272,21 +271,11 @@ def group_distortion(
 def _pooled(scatter: MeanError, noise: MeanError) -> MeanError:
     """Return the scatter where it is more than noise explains, else the variance that both are estimates
     of."""
-    if _exceeds(scatter, noise):
+    if scatter.exceeds_by_chance(noise) < _BY_CHANCE:
         return scatter
-    dof = scatter.dof + noise.dof
-    if not math.isfinite(dof):
+    if not math.isfinite(scatter.dof + noise.dof):
         return noise if math.isinf(noise.dof) else scatter
-    square = (scatter.dof * scatter.standard**2 + noise.dof * noise.standard**2) / dof
-    return MeanError(math.sqrt(square), dof)
-
-
-def _exceeds(one: MeanError, other: MeanError, by_chance: float = _BY_CHANCE) -> bool:
-    """Return whether a standard uncertainty is more than another by more than chance."""
-    from scipy.special import fdtri  # which takes long to load, and few records ask for
-
-    quantile = fdtri(one.dof, min(other.dof, 1e9), 1.0 - by_chance)
-    return bool(one.standard**2 > quantile * other.standard**2)
+    return scatter.pooled(noise)
 
 
 def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:

@@ -34,6 +34,7 @@ from benchtool.analysis.spectra.interharmonics import (
 )
 from benchtool.analysis.spectra.modulation import SteadyAmplitude, with_steady_amplitude
 from benchtool.analysis.spectra.moving_tones import Course, course_of
+from benchtool.errors import AnalysisError
 
 Floats = NDArray[np.float64]
 
@@ -178,17 +179,24 @@ class Separation:
 def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
     """Return a current taken apart, of samples, shape (rows,), in steps of `step`, along a track.
 
-    Lines beside the fundamental pull at the fit of its frequency, which is made again without them.
+    Lines near the fundamental pull at the fit of its frequency, which is made again without them. What was
+    followed meanwhile is then no course of the phase if it stays on the track without that.
 
     Raises:
         AnalysisError: fewer than two electrical periods, or a fundamental beyond the band.
     """
-    found = _along(samples, rate_Hz, track, channel, step)
+    found = again = _along(samples, rate_Hz, track, channel, step)
+    if track.residual_rad is not None:
+        return found
     for number in range(_ROUNDS):
-        if found.taken is None or not found.by_signal or (number and not found.close.turned_rad):
+        if again.taken is None or (number and again.by_signal and not again.close.turned_rad):
             break
-        found = _along(samples, rate_Hz, track_tone(found.rest, channel), channel, step)
-    return found
+        try:
+            without_lines = track_tone(again.rest, channel)
+        except AnalysisError:  # what was taken out were no lines
+            break
+        again = _along(samples, rate_Hz, without_lines, channel, step)
+    return again if again.by_signal else found
 
 
 def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:

@@ -66,6 +66,27 @@ class MeanError:
     dof: float
     basis: Basis = Basis.SCATTER
 
+    @classmethod
+    def of_scatter(cls, experimental: float, dof: float, basis: Basis = Basis.SCATTER) -> MeanError:
+        """Return the error of an experimental standard uncertainty with these degrees of freedom."""
+        return cls(experimental * students_deviation(dof), dof, basis)
+
+    @property
+    def experimental(self) -> float:
+        """Experimental standard uncertainty, by which errors with few degrees of freedom are compared."""
+        return self.standard / students_deviation(self.dof)
+
+    def exceeds_by_chance(self, other: MeanError) -> float:
+        """Return the probability that two estimates of one error are as far above each other."""
+        ratio = self.experimental / other.experimental if other.experimental > 0.0 else math.inf
+        return fisher_above(self.dof, other.dof, ratio**2)
+
+    def pooled(self, other: MeanError) -> MeanError:
+        """Return the error by both, which are estimates of one variance."""
+        dof = self.dof + other.dof
+        square = (self.dof * self.experimental**2 + other.dof * other.experimental**2) / dof
+        return MeanError.of_scatter(math.sqrt(square), dof, self.basis)
+
     def line(self, name: str, factor: float = 1.0) -> Contribution:
         """Return the line of a budget, `name`, in which the mean counts `factor` times."""
         return Contribution(f"{name}{self.basis}", "A", factor * self.standard, self.dof, of_student=True)
@@ -103,7 +124,7 @@ def error_of_series(values: NDArray[np.float64]) -> MeanError:
     dof = max(1.0, count / max(tau, 1.0) - 1.0)
     # the deviations are from the mean of these values, and so too small by that mean's own variance
     standard = math.sqrt(covariance[0] * tau / (count - max(tau, 1.0)))
-    return without_oscillations(values, MeanError(standard * students_deviation(dof), dof))
+    return without_oscillations(values, MeanError.of_scatter(standard, dof))
 
 
 def is_memory_untold(
@@ -175,7 +196,7 @@ def error_of_root(squares: NDArray[np.float64], root: float, of_mean: MeanError 
         seen = float(np.mean(((squares - np.mean(squares)) / deviation) ** 3))
         skewness = max(seen, 2.0 * deviation / root**2)
         # a mean that wanders more slowly than the record is off by more than its values differ
-        grows = skewness * min(1.0, error.standard / students_deviation(error.dof) / deviation)
+        grows = skewness * min(1.0, error.experimental / deviation)
     return replace(error, standard=error.standard / (2.0 * root) * (1.0 + 0.5 * grows))
 
 
@@ -312,13 +333,13 @@ def _of_both(by_parts: MeanError, slow: SlowNoise) -> MeanError:
     periods."""
     if by_parts.dof > _FEW_PARTS or slow.rise > _RISES:
         return by_parts
-    own2, of_density2 = (by_parts.standard / students_deviation(by_parts.dof)) ** 2, slow.standard**2
+    own2, of_density2 = by_parts.experimental**2, slow.standard**2
     dof = _DOF_OF_LOWEST
     if not of_density2 > 0.0 or fisher_above(by_parts.dof, dof, own2 / of_density2) < _MORE:
         return by_parts
     both = by_parts.dof + dof
     pooled2 = (by_parts.dof * own2 + dof * of_density2) / both
-    return MeanError(math.sqrt(pooled2) * students_deviation(both), both, Basis.POOLED)
+    return MeanError.of_scatter(math.sqrt(pooled2), both, Basis.POOLED)
 
 
 def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | None:
@@ -339,7 +360,7 @@ def _where_none_rises(values: NDArray[np.float64], periods: int) -> MeanError | 
 
 def _by_lowest(power: float) -> MeanError:
     """Return the error of a mean by the mean power of the lowest bins."""
-    return MeanError(math.sqrt(power) * students_deviation(_DOF_OF_LOWEST), _DOF_OF_LOWEST, Basis.LOWEST)
+    return MeanError.of_scatter(math.sqrt(power), _DOF_OF_LOWEST, Basis.LOWEST)
 
 
 def means_of_blocks(
@@ -372,7 +393,7 @@ def without_oscillations(values: NDArray[np.float64], by_parts: MeanError) -> Me
         return by_parts
     bins = fft.rfft(values - np.mean(values))[1 : _LOWEST + 1] / len(values)
     power = float(np.mean(bins.real**2 + bins.imag**2))
-    if _FAR_BELOW * power >= (by_parts.standard / students_deviation(by_parts.dof)) ** 2:
+    if _FAR_BELOW * power >= by_parts.experimental**2:
         return by_parts
     return _by_lowest(power)
 

@@ -156,7 +156,7 @@ def _per_share(samples: Floats, below: float, shares: Floats) -> float:
     """
     share = min(below, 1.0 - below)
     error = error_of_series(shares)
-    deviation = error.standard / students_deviation(error.dof) if math.isfinite(error.standard) else share
+    deviation = error.experimental if math.isfinite(error.standard) else share
     deviation = min(max(deviation, 1.0 / len(samples)), share)
 
     def slope(deviation: float) -> float:

@@ -221,3 +221,20 @@ def test_a_line_that_a_record_has_few_cycles_of_is_uncertain_by_where_in_them_it
         assert found.uncertainty is not None
         errors.append((found.value - truth) / found.uncertainty.standard)
     assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+def test_a_line_beside_a_fundamental_of_steady_frequency_moves_no_other_harmonic() -> None:
+    """It pulls at the first fit of the frequency, and by that moves the phase of all harmonics."""
+    turned, errors = np.arange(round(200 * 30.0)) / 200.0, []
+    for bins in (1.2, 1.45, 1.6):
+        for seed in range(3):
+            random = np.random.default_rng(seed)
+            beside = np.cos(2 * np.pi * turned * (1.0 + bins / 30.0) + random.uniform(0.0, 6.28))
+            signal = np.cos(2 * np.pi * turned) + 0.02 * np.cos(10 * np.pi * turned) + 0.03 * beside
+            signal += 0.03 * np.cos(14 * np.pi * turned) + 2e-3 * random.standard_normal(len(turned))
+            found = with_noise(signal)
+            truth = 100.0 * math.hypot(0.02, 0.03, 0.03, math.sqrt(2.0) * 2e-3)
+            assert found.uncertainty is not None
+            assert found.uncertainty.standard < 0.02 * truth
+            errors.append((found.value - truth) / found.uncertainty.standard)
+    assert np.max(np.abs(errors)) < 4.0

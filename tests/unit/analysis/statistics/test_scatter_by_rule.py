@@ -150,3 +150,19 @@ def test_a_record_of_rounding_alone_has_the_error_of_its_parts() -> None:
     record = 1e6 + 1e-10 * np.round(np.random.default_rng(6).standard_normal(4000))
     by_parts = MeanError(1e-14, 9.0)
     assert at_lowest_frequencies(record, by_parts) == by_parts
+
+
+def test_errors_of_few_values_are_compared_and_pooled_without_what_their_number_adds() -> None:
+    few, many = MeanError.of_scatter(0.1, 4.0, Basis.LOWEST), MeanError.of_scatter(0.1, 40.0)
+
+    assert few.standard == pytest.approx(0.1 * math.sqrt(4.0 / 2.0))
+    assert few.experimental == pytest.approx(0.1)
+    # two estimates of one variance that are alike: as likely above as below, but for the skewness of F
+    assert few.exceeds_by_chance(many) == pytest.approx(0.4189, abs=1e-4)
+    assert few.exceeds_by_chance(MeanError(0.0, 40.0)) == 0.0
+    assert MeanError.of_scatter(0.2, 4.0).exceeds_by_chance(many) == pytest.approx(0.00802, abs=1e-5)
+
+    both = few.pooled(MeanError.of_scatter(0.2, 12.0))
+    assert both.experimental == pytest.approx(math.sqrt((4.0 * 0.01 + 12.0 * 0.04) / 16.0))
+    assert both.dof == 16.0
+    assert both.basis is Basis.LOWEST
