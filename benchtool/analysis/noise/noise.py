@@ -333,9 +333,8 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     Each from the floor around it, because the noise of a drive is not white: from as many orders to either
     side as hold twenty bins.
     """
-    guard, periods = _guard(spectrum), spectrum.periods
-    within = np.arange(guard, periods - guard + 1)
-    reach = math.ceil(_LOCAL_BINS / (2 * max(1, len(within))))
+    periods, within = spectrum.periods, _within(spectrum)
+    reach = _orders_around(spectrum)
     around = np.arange(1, orders + 1)[:, np.newaxis] + np.arange(-reach, reach)
     bins = (periods * around[:, :, np.newaxis] + within).reshape(orders, -1)
     inside = (bins > 0) & (bins < len(spectrum.amplitude))
@@ -345,6 +344,21 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
         amplitude = spectrum.amplitude[bins[rows][inside[rows]]].reshape(-1, count)
         medians[rows] = np.median(amplitude, axis=1)
     return np.asarray(medians / MEDIAN_OF_RMS / math.sqrt(2.0))
+
+
+def bins_around(spectrum: CoherentSpectrum) -> int:
+    """Return of how many bins `harmonic_noise` is, in the middle of the band."""
+    return 2 * _orders_around(spectrum) * len(_within(spectrum))
+
+
+def _orders_around(spectrum: CoherentSpectrum) -> int:
+    return math.ceil(_LOCAL_BINS / (2 * max(1, len(_within(spectrum)))))
+
+
+def _within(spectrum: CoherentSpectrum) -> NDArray[np.int64]:
+    """Return the bins from a harmonic to those between it and the next."""
+    guard = _guard(spectrum)
+    return np.arange(guard, spectrum.periods - guard + 1)
 
 
 def _bands(count: int) -> list[slice]:
@@ -368,7 +382,5 @@ def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) 
     periods, count = spectrum.periods, len(spectrum.amplitude)
     first = max(0, math.floor(first_order))
     last = math.ceil(min(last_order, count / periods))
-    guard = _guard(spectrum)
-    within = np.arange(guard, periods - guard + 1)
-    bins = (periods * np.arange(first, last)[:, np.newaxis] + within).ravel()
+    bins = (periods * np.arange(first, last)[:, np.newaxis] + _within(spectrum)).ravel()
     return bins[: np.searchsorted(bins, count)]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials, students_deviation
+from benchtool.analysis.noise.noise import bins_around, harmonic_noise
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
 
@@ -20,6 +21,9 @@ _OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
 _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _MATTERS = 1e-3  # of an amplitude that moves
+_RISEN, _MORE, _LESS = 1.9, 2.0, 0.25  # times the noise around: by chance one in ten, in twenty, in a hundred
+_DOF_OF_MEDIAN = 10.0  # of the median of eight squares; of that of many it is their number
+_FEWEST_AROUND = 9  # periods, of which two orders to both sides hold twenty bins
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,32 @@ class LineNoise:
         return np.asarray(self.in_phase / [_of_few(round(0.5 * each)) for each in self.dof])
 
 
+@dataclass(frozen=True)
+class NoiseAround:
+    """Power of one component of the noise around lines, shape (lines,), nan where it is not known, by `dof`
+    degrees of freedom."""
+
+    power: NDArray[np.float64]
+    dof: float
+
+    def of_sum(self, weights: NDArray[np.float64]) -> NoiseAround:
+        """Return that of a weighted sum of the lines, weights of shape (lines,)."""
+        counted = np.where(weights != 0.0, weights**2 * self.power, 0.0)
+        return replace(self, power=np.atleast_1d(np.sum(counted)))
+
+    def pooled(
+        self, alone: NDArray[np.float64], nearest: NDArray[np.float64], middle: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the power by this and by that of eight pairs, of which `middle` and `nearest` are the power,
+        where neither differs by more than chance; where one does, that which these say `alone`; all of shape
+        (lines,)."""
+        alike = (
+            (nearest < _RISEN * self.power) & (middle < _MORE * self.power) & (middle > _LESS * self.power)
+        )
+        both = (_DOF_OF_MEDIAN * middle + self.dof * self.power) / (_DOF_OF_MEDIAN + self.dof)
+        return np.where(alike, both, alone)
+
+
 def contribution_of_noise(name: str, standard: float, dof: float) -> Contribution:
     """Return the line of a budget for noise by pairs of bins: that of few pairs has Student's deviation."""
     return Contribution(name, "A", float(standard), float(dof), of_student=bool(dof < 2.0 * PAIRS))
@@ -58,7 +88,8 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     is coloured, or shares its phase with the line, and leakage from interharmonics are seen as they act on
     the line. Of the pairs without a harmonic the nearest three count by their mean square, with what few of
     them add and where the noise rises towards the line (`noise_at_lines`), the nearest eight by their median,
-    which lines do not disturb, and the larger of both is taken.
+    which lines do not disturb, and the larger of both is taken. Where that differs by no more than chance
+    from the noise between the harmonics to both sides, which many bins tell, both are estimates of the same.
     """
     periods, bins = spectrum.periods, spectrum.phasor
     offsets = np.arange(1, 2 * PAIRS + 1)
@@ -73,13 +104,26 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     of_amplitude, of_phase = (
         np.sum(np.where(inside, np.abs(each) ** 2, 0.0), axis=1) for each in (together, apart)
     )
+    around = noise_around(spectrum, lines)
     return LineNoise(
-        noise_of_pairs(together, inside),
-        noise_of_pairs(apart, inside),
+        noise_of_pairs(together, inside, around),
+        noise_of_pairs(apart, inside, around),
         2.0 * np.maximum(pairs, 1.0),
         _lost(of_amplitude, of_phase, spectrum.amplitude[lines]),
         of_amplitude > np.maximum(_CLEARLY * of_phase, (_MATTERS * spectrum.amplitude[lines]) ** 2),
     )
+
+
+def noise_around(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> NoiseAround:
+    """Return the noise by the bins between harmonics to both sides of lines, shape (lines,); nan where these
+    are few, or a line is no harmonic."""
+    periods = spectrum.periods
+    found = np.full(len(lines), np.nan)
+    are_harmonics = (lines % periods == 0) & (lines > 0)
+    if periods >= _FEWEST_AROUND and np.any(are_harmonics):
+        order = lines[are_harmonics] // periods
+        found[are_harmonics] = harmonic_noise(spectrum, int(np.max(order)))[order - 1] ** 2
+    return NoiseAround(found, float(bins_around(spectrum)))
 
 
 def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
@@ -129,24 +173,32 @@ def _of_few(pairs: int) -> float:
     return students_deviation(2.0 * pairs) if 1 < pairs < PAIRS else 1.0
 
 
-def noise_of_pairs(sums: NDArray[np.complex128], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+def noise_of_pairs(
+    sums: NDArray[np.complex128],
+    inside: NDArray[np.bool_],
+    around: NoiseAround | None = None,
+) -> NDArray[np.float64]:
     """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
-    pairs)."""
+    pairs), and from the noise `around` them, where it is known."""
     square, counts = 0.25 * (sums.real**2 + sums.imag**2), np.count_nonzero(inside, axis=1)
     found = np.full(len(square), np.nan)
     for count in np.unique(counts[counts > 0]):
         rows = counts == count
-        found[rows] = noise_at_lines(square[rows][inside[rows]].reshape(-1, count))
+        own = square[rows][inside[rows]].reshape(-1, count)
+        found[rows] = noise_at_lines(
+            own, None if around is None else replace(around, power=around.power[rows])
+        )
     return np.asarray(np.sqrt(found))
 
 
-def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
+def noise_at_lines(power: NDArray[np.float64], around: NoiseAround | None = None) -> NDArray[np.float64]:
     """Return the noise power at lines, shape (lines,), by that of pairs around each, the nearest first, shape
     (lines, pairs).
 
     Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
     rises towards the line, and goes on to rise by as much again. The nearest are few: their mean counts as
-    Student's distribution would have it, less what is gained where the median is the larger.
+    Student's distribution would have it, less what is gained where the median is the larger. Where neither
+    differs from the noise `around` by more than chance, all of it tells that.
     """
     pairs = power.shape[1]
     middle = np.median(power, axis=1) / median_of_exponentials(pairs)
@@ -157,4 +209,5 @@ def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
     beyond = np.median(power[:, _NEAREST:], axis=1) / median_of_exponentials(pairs - _NEAREST)
     rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
     risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)
-    return np.where(nearest <= middle, middle, risen)
+    alone = np.where(nearest <= middle, middle, risen)
+    return alone if around is None else around.pooled(alone, nearest, middle)

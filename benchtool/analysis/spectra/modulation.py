@@ -10,7 +10,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples, CoherentSpectrum
-from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_of_pairs
+from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_around, noise_of_pairs
 from benchtool.analysis.phase.wander import wander
 from benchtool.analysis.quantisation.swept_steps import relative_error
 from benchtool.analysis.spectra.amplitude_trend import AmplitudeTrend, amplitude_trend
@@ -48,7 +48,9 @@ def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
     if not pairs:
         return MeanError(math.nan, 1.0)
     together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
-    return MeanError(float(noise_of_pairs(together, np.ones_like(together, dtype=np.bool_))[0]), 2.0 * pairs)
+    around = noise_around(spectrum, spectrum.periods * np.arange(1, len(weights) + 1)).of_sum(weights)
+    found = noise_of_pairs(together, np.ones_like(together, dtype=np.bool_), around)
+    return MeanError(float(found[0]), 2.0 * pairs)
 
 
 def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[np.bool_]:
