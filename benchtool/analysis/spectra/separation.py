@@ -39,6 +39,7 @@ from benchtool.errors import AnalysisError
 Floats = NDArray[np.float64]
 
 _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
+_NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -71,6 +72,15 @@ class Separation:
     def taken(self) -> Interharmonics | None:
         """All that is no harmonic; None if there is nothing."""
         return together(self.others, self.close.lines)
+
+    @property
+    def pulls(self) -> bool:
+        """Whether something of that is so near the fundamental that it pulls at the fit of its frequency."""
+        taken = self.taken
+        if taken is None:
+            return False
+        places = np.array([*taken.places, *(each.by_turns for each in taken.moving)])
+        return bool(np.any(np.abs(places - self.coherent.periods) < _NEAR))
 
     @cached_property
     def rest(self) -> Floats:
@@ -189,7 +199,8 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
     if track.residual_rad is not None:
         return found
     for number in range(_ROUNDS):
-        if again.taken is None or (number and again.by_signal and not again.close.turned_rad):
+        moved = again.close.turned_rad > 0.0 or not number if again.by_signal else again.pulls
+        if again.taken is None or not moved:
             break
         try:
             without_lines = track_tone(again.rest, channel)

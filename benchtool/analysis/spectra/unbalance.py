@@ -25,10 +25,10 @@ from benchtool.analysis.coherent.spectrum import (
     spectrum_of,
 )
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
-from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.distributions import fisher_above, median_of_exponentials
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.noise.converter_lines import converter_steps, repeated_quantisation
-from benchtool.analysis.noise.noise_of_lines import PAIRS, noise_at_lines
+from benchtool.analysis.noise.noise_of_lines import PAIRS, NoiseAround, noise_at_lines
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.sensitivity import Component, PhaseSequence, Sensitivities, Sensitivity
@@ -54,6 +54,7 @@ Phasors = NDArray[np.complex128]
 Floats = NDArray[np.float64]
 
 _BY_CHANCE = 0.1
+_ORDERS_AROUND, _FEWEST_AROUND = 2, 20  # whose bins tell the noise; bins
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _DITHERS = 0.25  # of a step: the least amplitude of a tone that moves the signal from step to step
 _MAY_BE_NOISE = 4.45  # times either part of the noise: by chance one magnitude in twenty thousand
@@ -138,11 +139,15 @@ class _Sequence:
 def _beside(samples: Floats, periods: int) -> MeanError:
     """Return the error of the mean of samples, shape (n,), that hold so many periods, by the bins beside zero
     frequency that are no harmonics, as that of a line (`line_noise`)."""
-    number = np.arange(1, 2 * PAIRS + 1)
-    number = number[(number % periods != 0) & (number < len(samples) // 2)][:PAIRS]
-    bins = fft.rfft(samples)[number] / len(samples)
-    power = noise_at_lines((bins.real**2 + bins.imag**2)[np.newaxis])
-    return MeanError(math.sqrt(float(power[0])), 2.0 * len(number))
+    bins = fft.rfft(samples)[: max(_ORDERS_AROUND * periods, 2 * PAIRS + 1)] / len(samples)
+    power, number = bins.real**2 + bins.imag**2, np.arange(len(bins))
+    nearest = power[: 2 * PAIRS + 1][number[: 2 * PAIRS + 1] % periods != 0][:PAIRS]
+    others = power[np.minimum(number % periods, -number % periods) > 1]
+    around = None
+    if len(others) >= _FEWEST_AROUND:
+        of_others = float(np.median(others)) / median_of_exponentials(len(others))
+        around = NoiseAround(np.array([of_others]), float(len(others)))
+    return MeanError(math.sqrt(float(noise_at_lines(nearest[np.newaxis], around)[0])), 2.0 * len(nearest))
 
 
 @dataclass(frozen=True)

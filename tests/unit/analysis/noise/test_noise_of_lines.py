@@ -25,7 +25,13 @@ from benchtool.analysis.spectra.line_errors import line_errors
 from benchtool.analysis.uncertainty import combined
 from benchtool.block import Block, Channel
 from tests.at_length import at_length
-from tests.unit.analysis.noise.lines_in_noise import RATE_HZ, SAMPLES, SIGMA, spectrum_of
+from tests.unit.analysis.noise.lines_in_noise import (
+    RATE_HZ,
+    SAMPLES,
+    SIGMA,
+    spectrum_of,
+    spectrum_of_bins,
+)
 
 Array = NDArray[np.float64]
 
@@ -199,3 +205,29 @@ def test_steps_fold_the_nearer_to_a_line_the_less_they_move_it() -> None:
     assert np.all(near < 0.7 * far)
     assert aliased(577.995) == pytest.approx(near, rel=0.2)
     assert np.all(aliased(578.0) == 0.0)
+
+
+def _stated(shape: Array, periods: int = 40) -> Array:
+    """Return the standard uncertainty of harmonic 5 in bins of noise of these mean squares, 300 times."""
+    random, line = np.random.default_rng(21), np.array([5 * periods])
+    found = []
+    for _ in range(300):
+        parts = random.standard_normal((2, len(shape))) * np.sqrt(shape)
+        phasor = parts[0] + 1j * parts[1]
+        phasor[line] = 100.0
+        found.append(float(line_noise(spectrum_of_bins(phasor, periods), line).in_phase[0]))
+    return np.array(found)
+
+
+def test_white_noise_beside_a_line_is_known_by_all_bins_between_the_harmonics() -> None:
+    """Eight pairs alone are off by a quarter in four records of ten."""
+    stated = _stated(np.ones(500))
+    assert np.mean(np.abs(stated - 1.0) < 0.25) > 0.8
+    assert np.sqrt(np.mean(1.0 / stated**2)) == pytest.approx(1.0, abs=0.15)
+
+
+def test_noise_that_is_not_that_around_a_line_is_its_own() -> None:
+    place = np.abs(np.arange(500) - 200.0)
+    for of_line, least, most in ((25.0, 4.0, 9.0), (0.04, 0.15, 0.3)):
+        stated = _stated(np.where(place < 10, of_line, 1.0))
+        assert least < np.median(stated) < most
