@@ -420,8 +420,7 @@ def _places(begin: Instant) -> Floats:
     middles = (np.arange(_PLACES) + 0.5) / _PLACES
     if not begin.drawn:  # without noise, anywhere that the samples allow
         return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
-    drawn = np.array(begin.drawn)
-    return np.asarray(begin.place + np.nanquantile(drawn, middles) - np.nanmedian(drawn))
+    return np.asarray(begin.place + np.nanquantile(begin.drawn, middles) - begin.of_drawn)
 
 
 def _away(curve: Floats, first: int) -> Floats:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ LEAST_DEFINED = 0.9
 _STRAIGHT = 1e-6  # a relative change of slope that is rounding
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
+_FAR_APART = 0.3  # of how far draws are apart: of eighty from one distribution hardly any gap is
 SEED = 20_110_301
 """Of all draws of a step, so that those of its instants belong together."""
 
@@ -42,6 +44,18 @@ class Instant:
     def of_noise(self) -> float:
         """Standard uncertainty without what the samples leave open."""
         return math.sqrt(max(0.0, self.standard**2 - self.of_rows**2))
+
+    @cached_property
+    def of_drawn(self) -> float:
+        """What noise makes of the place in the middle: of draws far apart, as where the signal may leave a
+        band once more, of those that are about as this place is. Nan where there are none."""
+        known = np.sort(np.array([each for each in self.drawn if math.isfinite(each)]))
+        if not len(known):
+            return math.nan
+        ends = np.flatnonzero(np.diff(known) > _FAR_APART * float(np.ptp(known))) + 1
+        groups = np.split(known, ends)
+        nearest = min(groups, key=lambda each: float(np.min(np.abs(each - self.place))))
+        return float(np.median(nearest))
 
     def widened(self, standard: float) -> Instant:
         """Return the instant with another contribution of the samples, evenly distributed, to its

@@ -97,7 +97,7 @@ def _once_inside(step: Step, curve: NoisyCurve, settled: Instant, band: float) -
     if not len(outside) or not settled.drawn:
         return settled
     earlier = max(0.0, settled.place - float(outside[-1]))
-    drawn = np.maximum(settled.drawn, np.nanmedian(settled.drawn) - earlier)
+    drawn = np.maximum(settled.drawn, settled.of_drawn - earlier)
     return replace(settled, drawn=tuple(drawn.tolist()))
 
 

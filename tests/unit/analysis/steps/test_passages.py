@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.passages import Crossing, first_passage, last_passage
+from benchtool.analysis.steps.passages import Crossing, Instant, first_passage, last_passage
 
 
 def passed(above: list[float]) -> Crossing:
@@ -99,3 +101,15 @@ def test_a_passage_of_a_mode_is_as_uncertain_as_the_cubic_is_off(period: float) 
         truth = float(np.interp(0.98, way, fine)) - phase
         missed.append((found.place - truth) / found.reach * np.sqrt(3.0))
     assert 0.65 < np.sqrt(np.mean(np.square(missed))) < 1.4
+
+
+def test_draws_far_apart_are_about_a_place_by_those_that_are_near_it() -> None:
+    """A lobe that may leave the band once more: the place is before it in a third of the draws."""
+    before, after = np.linspace(226.0, 229.0, 27), np.linspace(268.0, 285.0, 53)
+    drawn = (*after.tolist(), math.nan, *before.tolist())
+
+    assert Instant(227.0, 1.0, drawn).of_drawn == pytest.approx(227.5)
+    assert Instant(275.0, 1.0, drawn).of_drawn == pytest.approx(276.5)
+    alone = tuple(np.random.default_rng(1).normal(100.0, 3.0, 80).tolist())
+    assert Instant(95.0, 1.0, alone).of_drawn == pytest.approx(np.median(alone))
+    assert math.isnan(Instant(5.0, 1.0).of_drawn)
