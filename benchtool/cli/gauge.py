@@ -77,9 +77,10 @@ def gauge(
     output.table(
         f"{readings.name}: {shape}", ("source", ">dof", ">mean square", ">F", ">p", ">std. deviation"), rows
     )
-    low, high = result.gauge_interval
-    interval = f"(95 %: {number(low, 3)} to {number(high, 3)})"
-    output.sentence(f"standard deviation of the gauge: {number(result.gauge)} {interval}")
+    if result.gauge_interval is not None:
+        low, high = result.gauge_interval
+        interval = f"(95 %: {number(low, 3)} to {number(high, 3)})"
+        output.sentence(f"standard deviation of the gauge: {number(result.gauge)} {interval}")
     shares = {"total variation": result.percent_of_total, "tolerance": result.percent_of_tolerance}
     known = {what: share for what, share in shares.items() if share is not None}
     for what, share in known.items():
@@ -88,7 +89,7 @@ def gauge(
         least, most = result.ndc_interval
         told = f"number of distinct categories (ndc): {result.ndc} (95 %: {least} to {most})"
         output.sentence(f"{told}, AIAG asks for {_CATEGORIES} or more")
-    if result.gauge == 0.0:
+    if result.gauge_interval is None:
         output.warning(
             "repeated readings do not differ: their resolution hides the spread of the gauge, by which %GRR "
             "is told; write the readings with more digits"
@@ -216,7 +217,7 @@ def _document(
             "part": result.part,
             "total": result.total,
         },
-        "gauge_interval": list(result.gauge_interval),
+        "gauge_interval": None if result.gauge_interval is None else list(result.gauge_interval),
         **_share("percent_of_total", result.percent_of_total),
         **_share("percent_of_tolerance", result.percent_of_tolerance),
         "ndc": result.ndc,

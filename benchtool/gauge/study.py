@@ -85,9 +85,10 @@ class GaugeStudy:
     total_draws: Draws = field(repr=False, compare=False)
 
     @property
-    def gauge_interval(self) -> tuple[float, float]:
-        """Where the gauge's standard deviation lies with 95 %."""
-        return Inferred(self.gauge, self.gauge_draws).interval
+    def gauge_interval(self) -> tuple[float, float] | None:
+        """Where the gauge's standard deviation lies with 95 %; None where repetitions are alike, which tells
+        nothing of it."""
+        return Inferred(self.gauge, self.gauge_draws).interval if self.gauge else None
 
     @property
     def total(self) -> float:

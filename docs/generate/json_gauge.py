@@ -69,7 +69,7 @@ class GaugeStudied(Document):
     """Analysis of variance, by the source of variation."""
     standard_deviations: StandardDeviations
     """Standard deviations."""
-    gauge_interval: list[float]
+    gauge_interval: list[float] | None
     """Interval in which that of the gauge lies with 95 %."""
     percent_of_total: float | None
     """%GRR of the total variation."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -78,3 +79,6 @@ def test_readings_that_hide_their_spread_have_no_share(tmp_path: Path) -> None:
     assert "%GRR of" not in shown.stdout
     assert "verdict: undecided" in shown.stdout
     assert "their resolution hides the spread of the gauge" in shown.stderr
+    assert "standard deviation of the gauge" not in shown.stdout
+    document = json.loads(gauge(tmp_path, 0.0, "--json").stdout)
+    assert document["gauge_interval"] is None
