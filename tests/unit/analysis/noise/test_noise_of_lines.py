@@ -22,6 +22,7 @@ from benchtool.analysis import (
 from benchtool.analysis.noise.converter_lines import aliased_quantisation
 from benchtool.analysis.noise.noise_of_lines import hann_quadrature, line_noise, noise_at_lines
 from benchtool.analysis.spectra.line_errors import line_errors
+from benchtool.analysis.spectra.modulation import noise_of_sum
 from benchtool.analysis.uncertainty import combined
 from benchtool.block import Block, Channel
 from tests.at_length import at_length
@@ -231,3 +232,34 @@ def test_noise_that_is_not_that_around_a_line_is_its_own() -> None:
     for of_line, least, most in ((25.0, 4.0, 9.0), (0.04, 0.15, 0.3)):
         stated = _stated(np.where(place < 10, of_line, 1.0))
         assert least < np.median(stated) < most
+
+
+def test_the_noise_of_a_sum_is_known_by_all_bins_around_its_lines() -> None:
+    random, periods, weights = np.random.default_rng(22), 40, np.array([0.3, 0.0, 0.0, 0.0, -0.6, 0.0, 1.0])
+    expected, found = math.sqrt(float(weights @ weights)), []
+    for _ in range(200):
+        parts = random.standard_normal((2, 500))
+        phasor = parts[0] + 1j * parts[1]
+        phasor[periods * np.arange(1, 8)] = 100.0
+        found.append(noise_of_sum(spectrum_of_bins(phasor, periods), weights).standard / expected)
+    assert np.mean(np.abs(np.array(found) - 1.0) < 0.25) > 0.75
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "lost", "wanders"), [(1j, 1j, 0.08, False), (1.0, 1.0, 0.0, True)]
+)
+def test_pairs_in_quadrature_are_lost_by_the_line_and_pairs_in_phase_are_its_wander(
+    upper: complex, lower: complex, lost: float, wanders: bool
+) -> None:
+    """Eight pairs of 1 beside a line of 100: of a phase of variance 8 x 2 x 0.01^2 rad^2, or of the amplitude."""
+    phasor, offsets = np.full(500, 1e-6 + 0j), np.arange(1, 9)
+    phasor[200], phasor[200 + offsets], phasor[200 - offsets] = 100.0, upper, lower
+    found = line_noise(spectrum_of_bins(phasor, 40), np.array([200]))
+    assert found.lost[0] == pytest.approx(lost, rel=1e-3)
+    assert bool(found.wanders[0]) is wanders
+
+
+@pytest.mark.parametrize(("pairs", "factor2"), [(1, 9.0), (2, 2.0), (3, 1.5)])
+def test_the_noise_of_few_pairs_has_what_their_number_adds(pairs: int, factor2: float) -> None:
+    assert noise_at_lines(np.ones((1, pairs)))[0] >= factor2
+    assert noise_at_lines(np.ones((1, pairs)))[0] < 1.25 * factor2
