@@ -139,22 +139,20 @@ def _stirling(z: float) -> float:
 
 
 def _fraction(a: float, b: float, x: float) -> float:
-    c, d = 1.0, 1.0 / _apart(1.0 - (a + b) * x / (a + 1.0))
+    below = 1.0 - (a + b) * x / (a + 1.0)
+    c, d = 1.0, 1.0 / (below if abs(below) > _SMALL else _SMALL)
     value = d
     for m in range(1, _TERMS):
         even = m * (b - m) * x / ((a + 2 * m - 1.0) * (a + 2 * m))
         odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1.0))
         for term in (even, odd):
-            d = 1.0 / _apart(1.0 + term * d)
-            c = _apart(1.0 + term / c)
+            below, c = 1.0 + term * d, 1.0 + term / c
+            d = 1.0 / (below if abs(below) > _SMALL else _SMALL)
+            c = c if abs(c) > _SMALL else _SMALL
             value *= c * d
         if abs(c * d - 1.0) <= _PRECISION:
             break
     return value
-
-
-def _apart(value: float) -> float:
-    return value if abs(value) > _SMALL else _SMALL
 
 
 def _student_of_normal(n: float, z: float) -> float:

@@ -5,7 +5,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 
+
+@lru_cache(maxsize=4096)
 def next_fast_length(count: int) -> int:
     """Return the least product of 2, 3 and 5 that is not below `count`, for real transforms."""
     least = 1 << max(0, count - 1).bit_length()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.lines.line_models import middle_bins
 from benchtool.analysis.spectral_window import hann_response
+from benchtool.analysis.statistics.medians import median
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -61,11 +62,11 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
     )
     if not len(number):
         return Surrounded(place + offset, amplitude, math.nan, math.nan)
-    by_bins = max(float(np.median(size[number])) / RAYLEIGH, _continued(number, size[number], place))
+    by_bins = max(median(size[number]) / RAYLEIGH, _continued(number, size[number], place))
     far = noise = max(by_bins, _ROUNDING * amplitude)
     below, above = size[max(1, first - _NEAR) : max(1, first)], size[last : last + _NEAR]
     if len(below) == len(above) == _NEAR:
-        nearby = min(float(np.median(below)), float(np.median(above))) / RAYLEIGH
+        nearby = min(median(below), median(above)) / RAYLEIGH
         if nearby > noise:
             fitted = _among_lines(bins, size, place, noise)
             if fitted is not None and fitted.noise < _LINES_ALONE * nearby:
@@ -82,9 +83,9 @@ def _continued(number: NDArray[np.int64], around: Floats, place: int) -> float:
         return 0.0
     at, level = np.log(number.astype(np.float64)), np.log(around)
     one, other = _pairs(len(number))
-    slope = float(np.median((level[other] - level[one]) / (at[other] - at[one])))
+    slope = median((level[other] - level[one]) / (at[other] - at[one]))
     slope = min(0.0, max(-_STEEPEST, slope))
-    return math.exp(float(np.median(level - slope * (at - math.log(place))))) / RAYLEIGH
+    return math.exp(median(level - slope * (at - math.log(place)))) / RAYLEIGH
 
 
 @cache

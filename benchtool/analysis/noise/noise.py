@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials
 from benchtool.analysis.noise.noise_over_time import ONE_LEVEL, NoiseOverTime, noise_over_time
+from benchtool.analysis.statistics.medians import median
 from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
@@ -281,7 +282,7 @@ def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[sl
     # where a density rises or falls all through a band, its median is that of the bin in the middle
     centre = np.log([float(bins[(each.start + each.stop) // 2]) for each in bands])
     with np.errstate(divide="ignore"):
-        level = np.log([_median(square[each]) for each in bands])
+        level = np.log([median(square[each]) for each in bands])
     found = []
     for index in range(len(bands)):
         near = slice(max(0, index - _BANDS_AROUND), index + _BANDS_AROUND + 1)
@@ -308,22 +309,15 @@ def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float
     return slope if abs(slope) > _SURELY * by_chance else 0.0
 
 
-def _median(values: NDArray[np.float64]) -> float:
-    """Return the median; of few values numpy's own takes longer to look at its arguments."""
-    lower, upper = (len(values) - 1) // 2, len(values) // 2
-    ordered = np.partition(values, (lower, upper))
-    return 0.5 * float(ordered[lower] + ordered[upper])
-
-
 def _power_without_lines(square: NDArray[np.float64]) -> float:
     """Return the mean of exponentially distributed squares, shape (n,), by the median of those that are no
     line."""
-    power = _median(square) / median_of_exponentials(len(square))
+    power = median(square) / median_of_exponentials(len(square))
     lines = int(np.count_nonzero(square > _LINE * power))
     if lines <= _LINES_BY_CHANCE * len(square):
         return power
     rest = len(square) - lines
-    return _median(np.sort(square)[:rest]) / median_of_exponentials(rest)
+    return median(np.sort(square)[:rest]) / median_of_exponentials(rest)
 
 
 def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float64]:

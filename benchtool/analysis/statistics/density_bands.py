@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
+from benchtool.analysis.statistics.medians import median
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +27,31 @@ SINGLE = 8
 
 _BANDS_PER_OCTAVE = 3.0
 _RISES = 1e-6  # probability that white noise rises as much within two octaves
+_PERHAPS = 2.0  # deviations of the logarithm of a ratio of two means: less is by chance far more probable
 _NEAR_HARMONIC = 0.2  # of the distance between harmonics
+_KEPT = 64  # lengths of records whose bands are kept: many have the same
+
+
+@dataclass(frozen=True, eq=False)
+class Densities:
+    """Densities of noise at the places of bands, `shape` (models, bands), each of any size.
+
+    Many records have bands at the same places: what is made of densities alone is calculated once.
+    """
+
+    shape: Floats
+
+    @cached_property
+    def reciprocal(self) -> Floats:
+        return np.asarray(1.0 / self.shape)
+
+    @cached_property
+    def logarithm(self) -> Floats:
+        return np.asarray(np.log(self.shape))
+
+    def only(self, kept: NDArray[np.bool_]) -> Densities:
+        """Return them at the places that are `kept`, shape (bands,)."""
+        return Densities(self.shape[:, kept])
 
 
 @dataclass(frozen=True)
@@ -47,16 +73,11 @@ class Bands:
         if count < 2 * FEWEST_BINS:
             return None
         bins = fft.rfft(samples - np.mean(samples))[1 : (count - 1) // 2 + 1] / count
-        number = np.arange(1, len(bins) + 1)
-        power = bins.real**2 + bins.imag**2
-        if periods:
-            away = np.abs(number - periods * np.round(number / periods))
-            kept = (away >= max(1.0, _NEAR_HARMONIC * periods)) | (number < periods)
-            kept &= away > 0
-            number, power = number[kept], power[kept]
-        if len(number) < FEWEST_BINS or not np.all(power > 0.0):
+        edges = _edges(len(bins), periods)
+        power = (bins.real**2 + bins.imag**2)[edges.kept]
+        if len(power) < FEWEST_BINS or not np.all(power > 0.0):
             return None
-        return _banded(number.astype(np.float64), power)._before_a_rise()
+        return edges.bands_of(power)._before_a_rise()
 
     def only(self, kept: NDArray[np.bool_]) -> Bands:
         """Return those that are `kept`, shape (bands,)."""
@@ -66,18 +87,17 @@ class Bands:
         """Return them counting as so many bins at most, each or all."""
         return replace(self, count=np.minimum(self.count, most))
 
-    def fits(self, shape: Floats) -> Floats:
-        """Return the logarithms of the likelihoods of densities at the places, shape (models, bands), each of
-        any size."""
+    def fits(self, densities: Densities) -> Floats:
+        """Return the logarithms of the likelihoods of densities at the places, shape (models,)."""
         # its size is eliminated: 1 / size has a Gamma distribution
         # einsum in place of a product of matrices, which would start threads
-        scaled = np.einsum("ij,j->i", 1.0 / shape, self.power * self.count)
-        fits = -np.einsum("ij,j->i", np.log(shape), self.count) - float(np.sum(self.count)) * np.log(scaled)
-        return np.asarray(fits)
+        scaled = np.einsum("ij,j->i", densities.reciprocal, self.power * self.count)
+        fits = -np.einsum("ij,j->i", densities.logarithm, self.count)
+        return np.asarray(fits - float(np.sum(self.count)) * np.log(scaled))
 
-    def sizes(self, shape: Floats) -> Floats:
+    def sizes(self, densities: Densities) -> Floats:
         """Return the mean of the inverse Gamma distribution of the size of each density, shape (models,)."""
-        scaled = np.einsum("ij,j->i", 1.0 / shape, self.power * self.count)
+        scaled = np.einsum("ij,j->i", densities.reciprocal, self.power * self.count)
         return np.asarray(scaled / max(float(np.sum(self.count)) - 1.0, 0.5))
 
     def _before_a_rise(self) -> Bands | None:
@@ -91,8 +111,9 @@ class Bands:
         bins_below, power = (np.add.reduceat(each, between)[::2] for each in (count, mean * count))
         of_below = power / bins_below
         below = len(place)
-        # no more than below is no rise, and the distribution takes time
-        for at in np.flatnonzero((bins_below >= 2.0) & (mean[last] > of_below)):
+        # what is within a few deviations is no rise, and the distribution takes time
+        least = of_below * np.exp(_PERHAPS * np.sqrt(1.0 / count[last] + 1.0 / bins_below))
+        for at in np.flatnonzero((bins_below >= 2.0) & (mean[last] > least)):
             ratio = float(mean[last[at]] / of_below[at])
             if fisher_above(2.0 * float(count[last[at]]), 2.0 * float(bins_below[at]), ratio) < _RISES:
                 below = int(last[at])
@@ -101,19 +122,42 @@ class Bands:
         return found if np.sum(found.count) >= FEWEST_BINS else None
 
 
-def _banded(number: Floats, power: Floats) -> Bands:
-    """Return the lowest bins each, then parts of octaves.
+@dataclass(frozen=True)
+class _Edges:
+    """Which of the bins of a spectrum are `kept`, shape (bins,), and the `first` of these in each band, whose
+    `place` and `count` are as in `Bands`."""
 
-    The mean is from the median of a band where that is less: single lines are no noise.
-    """
+    kept: NDArray[np.bool_] | slice
+    first: NDArray[np.int64]
+    place: Floats
+    count: Floats
+
+    def bands_of(self, power: Floats) -> Bands:
+        """Return the bands of the power of the bins that are kept, shape (n,).
+
+        The mean is from the median of a band where that is less: single lines are no noise.
+        """
+        mean = np.add.reduceat(power, self.first) / self.count
+        for at in np.flatnonzero(self.count >= SINGLE):
+            within = power[self.first[at] : self.first[at] + int(self.count[at])]
+            mean[at] = min(mean[at], median(within) / math.log(2.0))
+        return Bands(self.place, mean, self.count)
+
+
+@lru_cache(maxsize=_KEPT)
+def _edges(bins: int, periods: int) -> _Edges:
+    """Return those of so many bins from the lowest on, without harmonics of what repeats `periods` times: the
+    lowest bins each, then parts of octaves."""
+    number = np.arange(1.0, bins + 1)
+    kept: NDArray[np.bool_] | slice = slice(None)
+    if periods:
+        away = np.abs(number - periods * np.round(number / periods))
+        kept = (away > 0.0) & ((away >= max(1.0, _NEAR_HARMONIC * periods)) | (number < periods))
+    number = number[kept]
     band = np.where(
         number <= SINGLE, number, SINGLE + 1.0 + np.floor(_BANDS_PER_OCTAVE * np.log2(number / SINGLE))
     )
     first = np.flatnonzero(np.diff(band, prepend=0.0))
     count = np.diff(first, append=len(number)).astype(np.float64)
     place = np.exp(np.add.reduceat(np.log(number), first) / count)
-    mean = np.add.reduceat(power, first) / count
-    for at in np.flatnonzero(count >= SINGLE):
-        within = power[first[at] : first[at] + int(count[at])]
-        mean[at] = min(mean[at], float(np.median(within)) / math.log(2.0))
-    return Bands(place, mean, count)
+    return _Edges(kept, first, place, count)

@@ -13,12 +13,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace as copied
 from functools import lru_cache
+from operator import mul
 from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.statistics.density_bands import FEWEST_BINS, SINGLE, Bands
+from benchtool.analysis.statistics.density_bands import FEWEST_BINS, SINGLE, Bands, Densities
 from benchtool.analysis.statistics.falling_densities import falling_densities
 from benchtool.analysis.uncertainty import COVERAGE
 
@@ -40,6 +41,7 @@ _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f nois
 _WEIGHTLESS = 1e-4  # of all models
 _MOST_LIKELY = 600.0  # of a logarithm of odds
 _ELSEWHERE = 3.0  # standard deviations of the logarithm of a size
+_KEPT = 16  # places of bands for which all models are kept
 _STEPS = 50  # of Newton's method, of which some four are taken
 _STEP = 1e-10
 _OF_COVERAGE = NormalDist().inv_cdf(0.5 + 0.5 * COVERAGE) / math.sqrt(2.0)  # where erf is the coverage
@@ -111,12 +113,12 @@ def continued_power(samples: Floats, periods: int, told_from: float, places: Flo
         return None
     usable, floors = _usable(bands.place[-1])
     white = np.ones((1, len(bands.place)))
-    shape = np.vstack([_shapes(_blurred(bands.place), usable, floors), white])
+    densities = Densities(np.vstack([_shapes(_blurred(bands.place), usable, floors), white]))
     sought = np.vstack([_shapes(_density(places), usable, floors), np.ones((1, len(places)))])
     prior = _prior(int(np.count_nonzero(usable)), len(floors))[: -1 - len(floors)]
-    fits = bands.fits(shape)
+    fits = bands.fits(densities)
     weight = np.append(prior, _WHITE) * np.exp(fits - np.max(fits))
-    return np.asarray((weight * bands.sizes(shape)) @ sought / np.sum(weight))
+    return np.asarray((weight * bands.sizes(densities)) @ sought / np.sum(weight))
 
 
 def walk_probability(pieces: Sequence[Floats]) -> float | None:
@@ -139,7 +141,7 @@ def walk_probability(pieces: Sequence[Floats]) -> float | None:
         place = each.place
         falling = _blurred(place) if len(piece) == longest else _density(place * longest / len(piece))
         shape = np.vstack([_shapes(falling, usable, floors), np.ones(len(place))])
-        log_weight += each.counting(_MOST_OF_A_BAND).fits(shape)
+        log_weight += each.counting(_MOST_OF_A_BAND).fits(Densities(shape))
     weight = np.exp(log_weight - np.max(log_weight))
     of_models = weight[:-1].reshape(len(_EXPONENTS), -1, len(floors))
     steep, low = _EXPONENTS > 1.0, _CORNERS[usable] <= 1.0
@@ -169,7 +171,7 @@ class _Beside:
         """Return the logarithms of the likelihoods of all usable models, and of so many that are white."""
         place = self.bands.place
         rising = _shapes(_blurred(place, self.ratio), usable, floors)
-        return self.bands.fits(np.vstack([rising, np.ones((white, len(place)))]))
+        return self.bands.fits(Densities(np.vstack([rising, np.ones((white, len(place)))])))
 
 
 @dataclass(frozen=True)
@@ -197,17 +199,16 @@ class _Reference:
         """Return the logarithms of the likelihoods of all usable models, each with any of the floors, and of
         so many that are steady."""
         place = self.bands.place
-        rising = self.bands.fits(_shapes(_blurred(place), usable, floors)).reshape(-1, len(floors))
-        white, *of_periods = self.bands.fits(_steady(place, floors, self.periods)[:, 1:])
+        shape = _shapes(_blurred(place), usable, floors)
+        rising = self.bands.fits(Densities(shape)).reshape(-1, len(floors))
+        white, *of_periods = self.bands.fits(Densities(_steady(place, floors, self.periods)[:, 1:]))
         either = _log_mean(np.array([white, _log_mean(np.array(of_periods))]))
         return np.concatenate([np.repeat(_log_mean(rising), len(floors)), np.full(steady, either)])
 
     def fits_of_falling(self) -> Floats:
         """Return those of densities that fall, each with any white noise, shape (densities,)."""
-        shape, of_mean, _ = falling_densities(self.bands.place)
-        densities, levels = of_mean.shape
-        fits = self.bands.fits(shape.reshape(densities * levels, -1))
-        return _log_mean(fits.reshape(densities, levels))
+        falling, of_mean, _ = _falling(self.bands.place.tobytes())
+        return _log_mean(self.bands.fits(falling).reshape(of_mean.shape))
 
 
 @dataclass(frozen=True)
@@ -256,54 +257,90 @@ def _averaged(
 ) -> SlowNoise:
     """Return the error by all models, each of any size, with the weight that the bands give it, those of
     records beside it, and those of a reference."""
-    place = bands.place
+    place, models = bands.place, _candidates(bands.place.tobytes(), periods)
+    usable, floors, steady = models.usable, models.floors, len(models.floors) + 1
+    fits = bands.fits(models.densities)
+    for each in beside:
+        fits += each.fits(usable, floors, steady)
+    if reference is not None:
+        fits += reference.fits(usable, floors, steady)
+    weight = models.prior * np.exp(fits - np.max(fits))
+    weight /= np.sum(weight)
+    size2 = _size2(models.densities, bands)
+    if periods:  # levels of periods show below the first harmonic, as their means do
+        levels = slice(-len(floors), None)
+        below = place < periods
+        of_levels = Densities(models.densities.shape[levels][:, below])
+        size2[levels] = np.sqrt(size2[levels] * bands.only(below).sizes(of_levels))
+    bands = bands.only(_near_zero(place, periods))
+    fits = bands.fits(models.near_zero)
+    if reference is not None:
+        reference = reference.near_zero()
+        fits += reference.fits(usable, floors, steady)
+    return SlowNoise(
+        _half_width(weight, np.sqrt(models.of_mean * size2)) / _K,
+        _DOF,
+        float(np.sum(weight * models.rise)),
+        *_of_falling(bands, float(_log_mean(fits, models.prior)), reference),
+    )
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """All models at the places of the bands of a record, the steady ones last: their `densities`, also at
+    those `near_zero` alone; the variance of the mean `of_mean` that each makes, the octaves by which it has
+    a `rise` below the record, and its `prior` probability, shape (models,)."""
+
+    usable: NDArray[np.bool_]
+    floors: Floats
+    densities: Densities
+    near_zero: Densities
+    of_mean: Floats
+    rise: Floats
+    prior: Floats
+
+
+@lru_cache(maxsize=_KEPT)
+def _candidates(places: bytes, periods: int) -> _Candidates:
+    """Return the models at places, floats, in a record of so many periods: many records have the same."""
+    place = np.frombuffer(places)
     usable, floors = _usable(place[-1])
-    shape = _shapes(_blurred(place), usable, floors)
     level = _levels(usable, floors)
     of_mean = (_models().of_mean[:, usable, np.newaxis] + level).ravel()
     low, one = _density(np.array([_LOWEST])), _density(np.array([1.0]))
     rise = np.log2((low[:, usable] + level) / (one[:, usable] + level)).ravel()
     steady = _steady(place, floors, periods)
-    shape = np.vstack([shape, steady[:, 1:]])
-    of_mean, rise = np.append(of_mean, steady[:, 0]), np.append(rise, np.zeros(len(steady)))
-    fits = bands.fits(shape)
-    for each in beside:
-        fits += each.fits(usable, floors, len(steady))
-    if reference is not None:
-        fits += reference.fits(usable, floors, len(steady))
-    prior = _prior(int(np.count_nonzero(usable)), len(floors))
-    weight = prior * np.exp(fits - np.max(fits))
-    weight /= np.sum(weight)
-    size2 = _size2(shape, bands)
-    if periods:  # levels of periods show below the first harmonic, as their means do
-        levels = slice(len(shape) - len(floors), None)
-        below = place < periods
-        size2[levels] = np.sqrt(size2[levels] * bands.only(below).sizes(shape[levels][:, below]))
-    near = _near_zero(place, periods)
-    bands, fits = bands.only(near), bands.only(near).fits(shape[:, near])
-    if reference is not None:
-        reference = reference.near_zero()
-        fits += reference.fits(usable, floors, len(steady))
-    return SlowNoise(
-        _half_width(weight, np.sqrt(of_mean * size2)) / _K,
-        _DOF,
-        float(np.sum(weight * rise)),
-        *_of_falling(bands, float(_log_mean(fits, prior)), reference),
+    densities = Densities(np.vstack([_shapes(_blurred(place), usable, floors), steady[:, 1:]]))
+    return _Candidates(
+        usable,
+        floors,
+        densities,
+        densities.only(_near_zero(place, periods)),
+        np.append(of_mean, steady[:, 0]),
+        np.append(rise, np.zeros(len(steady))),
+        _prior(int(np.count_nonzero(usable)), len(floors)),
     )
+
+
+@lru_cache(maxsize=_KEPT)
+def _falling(places: bytes) -> tuple[Densities, Floats, Floats]:
+    """Return `falling_densities` at places, floats: all together, shape (densities x levels, places), the
+    variance of the mean that each makes, shape (densities, levels), and how probable each kind is."""
+    shape, of_mean, of_kind = falling_densities(np.frombuffer(places))
+    return Densities(shape.reshape(of_mean.size, -1)), of_mean, of_kind
 
 
 def _of_falling(bands: Bands, others: float, reference: _Reference | None) -> tuple[float, float]:
     """Return the probability that a density falls towards zero frequency, by the logarithm of the likelihood
     of the `others`, and the standard deviation of the mean if it does."""
-    shape, of_mean, of_kind = falling_densities(bands.place)
-    densities, levels = of_mean.shape
-    every = shape.reshape(densities * levels, -1)
-    fits, prior = bands.fits(every), np.repeat(of_kind, levels) / levels
+    falling, of_mean, of_kind = _falling(bands.place.tobytes())
+    levels = of_mean.shape[1]
+    fits, prior = bands.fits(falling), np.repeat(of_kind, levels) / levels
     if reference is not None:
         fits += np.repeat(reference.fits_of_falling(), levels)
     odds = _FALLS / (1.0 - _FALLS) * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
     weight = prior * np.exp(fits - np.max(fits))
-    square = of_mean.ravel() * bands.sizes(every)
+    square = of_mean.ravel() * bands.sizes(falling)
     return odds / (1.0 + odds), math.sqrt(float(weight @ square) / float(np.sum(weight)))
 
 
@@ -321,14 +358,14 @@ def _log_mean(fits: Floats, weight: Floats | float = 1.0) -> Floats:
     return np.asarray(np.log(mean) + most[..., 0])
 
 
-def _size2(shape: Floats, bands: Bands) -> Floats:
+def _size2(densities: Densities, bands: Bands) -> Floats:
     """Return the mean of the posterior of the size of densities, shape (models,): of a model that fits above,
     and in the lowest bins clearly does not, the geometric mean of what all tell and what these do, of which
     neither is right."""
-    by_all, low, count = bands.sizes(shape), bands.place <= SINGLE, bands.count
+    by_all, low, count = bands.sizes(densities), bands.place <= SINGLE, bands.count
     if not 0 < np.count_nonzero(low) < len(low) or np.sum(count[low]) < FEWEST_BINS:
         return by_all
-    by_low, by_rest = (bands.only(each).sizes(shape[:, each]) for each in (low, ~low))
+    by_low, by_rest = (bands.only(each).sizes(densities.only(each)) for each in (low, ~low))
     standard = math.sqrt(1.0 / float(np.sum(count[low])) + 1.0 / float(np.sum(count[~low])))
     differs = np.abs(np.log(by_low / by_rest)) > _ELSEWHERE * standard
     return np.where(differs, np.sqrt(by_low * by_all), by_all)
@@ -389,12 +426,13 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     if not np.all(standard[kept] > 0.0):  # the level of all of them is that of no power
         return 0.0
     weight, scale = weight[kept] / np.sum(weight[kept]), math.sqrt(2.0) * standard[kept]
-    mixture = list(zip(weight.tolist(), scale.tolist(), strict=True))
+    shares = weight.tolist()
     slope = 2.0 / math.sqrt(math.pi) * weight / scale
     half = _OF_COVERAGE / float(weight @ (1.0 / scale))  # not more, as erf is concave
     for _ in range(_STEPS):  # from below, as what lies within rises ever more slowly
-        within = sum(share * math.erf(half / each) for share, each in mixture)
-        step = (COVERAGE - within) / float(np.sum(slope * np.exp(-((half / scale) ** 2))))
+        relative = half / scale
+        within = sum(map(mul, shares, map(math.erf, relative.tolist())))
+        step = (COVERAGE - within) / float(np.sum(slope * np.exp(-(relative**2))))
         half += step
         if step < _STEP * half:
             break

@@ -127,8 +127,8 @@ def _excess(deviations: Floats) -> float:
     largest = float(np.max(np.abs(deviations))) if len(deviations) else 0.0
     if not largest > _LEAST:
         return math.inf
-    relative = deviations / largest
-    return float(np.mean(relative**4)) / float(np.mean(relative**2)) ** 2 - 3.0
+    square = (deviations / largest) ** 2
+    return float(np.mean(square**2)) / float(np.mean(square)) ** 2 - 3.0
 
 
 def l_moments(ordered: Floats) -> tuple[float, float]:
