@@ -86,7 +86,7 @@ def _kernel() -> NDArray[np.float64]:
     normal[np.diag_indices_from(normal)] += _RIDGE * np.trace(normal)
     weights = np.linalg.solve(normal, table.T @ delayed(fraction)).T
     weights /= np.sum(weights, axis=1, keepdims=True)
-    return np.stack([weights[:-1], np.diff(weights, axis=0)], axis=1)
+    return np.ascontiguousarray(np.stack([weights[:-1], np.diff(weights, axis=0)], axis=1))
 
 
 def gain_error(frequency: float) -> float:

@@ -63,16 +63,28 @@ def settling_phase(
     cubic = np.polynomial.Polynomial.fit(periods, phase_rad, _PARAMETERS - 1)
     of_cubic2 = float(np.sum((phase_rad - cubic(periods)) ** 2))
     rates = 1.0 / np.geomspace(_FASTEST, count, _RATES)
-    coarse = min(rates, key=lambda rate: _fit(periods, phase_rad, rate, are_means)[0])
+    coarse = _rate_of_least(periods, phase_rad, rates)
     apart = float(rates[0] / rates[1])
     fine = coarse * np.geomspace(1.0 / apart, apart, _RATES)
-    rate = float(min(fine, key=lambda rate: _fit(periods, phase_rad, rate, are_means)[0]))
+    rate = _rate_of_least(periods, phase_rad, fine)
     left2, found = _fit(periods, phase_rad, rate, are_means)
     about2 = max(left2 / spare, noise2)
     if left2 > _AS_NOISE * noise2 * spare or of_cubic2 - left2 < _CLEARLY * about2:
         return None
     offset, slope, size = found.tolist()
     return SettlingPhase(offset, slope, size, rate, count, about2, are_means)
+
+
+def _rate_of_least(
+    periods: NDArray[np.float64], phase_rad: NDArray[np.float64], rates: NDArray[np.float64]
+) -> float:
+    """Return the rate, one of shape (rates,), of the settling that leaves the least sum of squares."""
+    bases = np.empty((len(rates), len(periods), 3))
+    bases[:, :, 0], bases[:, :, 1] = 1.0, periods
+    np.exp(-rates[:, np.newaxis] * periods, out=bases[:, :, 2])
+    orthogonal = np.linalg.qr(bases).Q
+    left = phase_rad - np.matvec(orthogonal, np.vecmat(phase_rad, orthogonal))
+    return float(rates[np.argmin(np.vecdot(left, left))])
 
 
 def _fit(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ _COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a 32-
 _BY_CHANCE = 10.0  # times the mean of the least distance between as many values, exp(-10) by chance
 _LOOKED_AT = 1 << 16  # samples
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
+_FIRST = 16  # values or steps, which mostly tell of all
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
 _OF_DOUBLES = 1e-13  # of the greatest value: what a few sums and products round by
 _ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
@@ -102,27 +104,44 @@ def _decimal_step(values: NDArray[np.float64]) -> float:
         return 0.0
     first = math.floor(math.log10(largest))
     for places in range(_MOST_PLACES + 1):
-        scaled = values * 10.0 ** (places - first)
-        whole = np.round(scaled)
-        if float(np.max(np.abs(scaled - whole))) < _OF_A_DIGIT:
-            return float(np.gcd.reduce(np.diff(whole).astype(np.int64))) / 10.0 ** (places - first)
+        scale = 10.0 ** (places - first)
+        if not _are_whole(values[:_FIRST] * scale):  # of a computed signal none of the first is
+            continue
+        scaled = values * scale
+        if _are_whole(scaled):
+            return float(np.gcd.reduce(np.diff(np.round(scaled)).astype(np.int64))) / scale
     return 0.0
+
+
+def _are_whole(values: NDArray[np.float64]) -> bool:
+    """Return whether decimal numbers, shape (n,), have nothing behind the point."""
+    return bool(np.max(np.abs(values - np.round(values))) < _OF_A_DIGIT)
 
 
 def _divisor(steps: NDArray[np.float64], rounding: float, least: float) -> float:
     """Return the greatest common divisor of `steps`, shape (n,), by Euclid's algorithm; 0 where it is less
     than `least`. Steps of any size have none above their `rounding`."""
     divisor, together = 0.0, 0.0
-    for each in np.sort(steps):  # of small ones a common divisor is least rounded
-        rest = float(each)
+    for each in _rising(steps):  # of small ones a common divisor is least rounded
+        rest = each
         while rest > rounding:
             divisor, rest = rest, divisor % rest
             rest = 0.0 if divisor - rest < rounding else rest
         if divisor < least:
             return 0.0
-        together += float(each)
+        together += each
         divisor = together / round(together / divisor)  # which all of them round less
     return divisor
+
+
+def _rising(values: NDArray[np.float64]) -> Iterator[float]:
+    """Yield values, shape (n,), from the least on: where the first tell that there is no divisor, the others
+    need no order."""
+    if len(values) > _FIRST:
+        parted = np.partition(values, _FIRST)
+        yield from np.sort(parted[:_FIRST]).tolist()
+        values = parted[_FIRST:]
+    yield from np.sort(values).tolist()
 
 
 def level_of(samples: NDArray[np.float64], step: float) -> float:

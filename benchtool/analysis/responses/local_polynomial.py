@@ -21,6 +21,7 @@ _ENDS = 2  # terms of a line, for what the ends of a record leave in
 _SHARP = 3.0  # times the variance that another pole leaves: one less does not follow
 _BEYOND_CHANCE = 4.0  # times the mean square by which a second pole moves a response, by noise
 _NEIGHBOURS = 9  # fits whose input's response counts as even
+_SINGULAR = 1e-10  # smallest over largest of a triangular matrix's diagonal
 _BATCH = 1024  # bins at a time: their matrices stay in the cache
 
 Complex = NDArray[np.complex128]
@@ -208,10 +209,26 @@ def _solve(near_x: Complex, near_y: Complex, ends: int, poles: int) -> _Solution
     orthogonal, triangular = np.linalg.qr(columns)
     along = np.conj(orthogonal.transpose(0, 2, 1)) @ near_y[:, :, np.newaxis]
     left = near_y - (orthogonal @ along)[:, :, 0]
-    first_row = np.linalg.pinv(triangular)[:, 0, :]
+    first_row = _first_of_inverse(triangular)
     return _Solution(
         np.sum(first_row * along[:, :, 0], axis=1),
         left,
         np.full(count, float(width - columns.shape[2])),
         np.sum(np.abs(first_row) ** 2, axis=1),
     )
+
+
+def _first_of_inverse(triangular: Complex) -> Complex:
+    """Return the first row of the inverse of each upper triangular matrix, shape (count, n), by substitution;
+    of one that is as good as singular that of its pseudo-inverse."""
+    diagonal = np.abs(np.diagonal(triangular, axis1=1, axis2=2))
+    regular = np.min(diagonal, axis=1) > _SINGULAR * np.max(diagonal, axis=1)
+    found = np.zeros(triangular.shape[:2], dtype=np.complex128)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        found[:, 0] = 1.0 / triangular[:, 0, 0]
+        for at in range(1, found.shape[1]):
+            known = np.vecdot(np.conj(found[:, :at]), triangular[:, :at, at])
+            found[:, at] = -known / triangular[:, at, at]
+    if not np.all(regular):
+        found[~regular] = np.linalg.pinv(triangular[~regular])[:, 0, :]
+    return found

@@ -183,9 +183,11 @@ def last_passage(values: Floats, level: float, band: float) -> Crossing | None:
 def _last_lobe(inside: Floats, begin: int) -> Crossing | None:
     """Return where a curve, which samples from `begin` on show above zero, rises from the last lobe below it
     between samples: on the parabola through the lowest of three, with what a third difference changes."""
-    rises = np.diff(inside)
-    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + 1
-    lowest = lowest[(lowest > max(begin, 1)) & (lowest < len(inside) - 2)]
+    first = max(begin, 1)
+    rises = np.diff(inside[first:-1])
+    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + (first + 1)
+    if not len(lowest):
+        return None
     slope = 0.5 * (inside[lowest + 1] - inside[lowest - 1])
     bend = inside[lowest + 1] - 2.0 * inside[lowest] + inside[lowest - 1]
     below = slope**2 / (2.0 * bend) - inside[lowest]
