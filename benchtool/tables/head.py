@@ -106,7 +106,7 @@ def is_comment(line: bytes) -> bool:
 def split(line: str, delimiter: str) -> list[str]:
     """Return the cells of a line, without the blanks about them."""
     if delimiter == BLANKS:
-        return [cell.strip('"') for cell in _QUOTED_OR_WORD.findall(line)]
+        return [cell.strip('"') for cell in _QUOTED_OR_WORD.findall(line)] if '"' in line else line.split()
     if delimiter == BAR and (match := _BETWEEN_BARS.fullmatch(line)):
         line = match[1]
     if '"' in line:

@@ -104,7 +104,8 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
             f"are expected, separated by comma, semicolon, tab, | or blanks, times in seconds or as "
             f"2026-01-31 23:59:59.5: export it as such"
         )
-    cells_of = [fit.cells(line.decode(errors="replace")) for line in sample]
+    sampled = [line.decode(errors="replace") for line in sample]
+    cells_of = [fit.cells(line) for line in sampled]
     by_column = list(zip(*(cells for cells in cells_of if len(cells) == fit.width), strict=True))
     texts = [line.decode(errors="replace") for line in lines]
     rows = _rows(lines, texts, fit, by_column)
@@ -113,7 +114,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
             f"{source}: no line of numbers within the first {len(head)} bytes, a head of a few lines is "
             f"expected: cut the head"
         )
-    are_rows = [fit.is_row(cells) for cells in cells_of]
+    are_rows = [fit.is_line_of_row(line) for line in sampled]
     in_rows = list(itertools.compress(cells_of, are_rows))
     above = _head(texts, rows, fit, in_rows)
     in_head = texts[: above.lines]
@@ -161,8 +162,9 @@ def _rows(
 ) -> list[bool]:
     """Return which lines are rows: those that fit, and the ones right above that have a number in a column
     of numbers; `by_column` are the cells of the sample."""
-    cells_of = [[] if is_comment(line) else fit.cells(text) for line, text in zip(lines, texts, strict=True)]
-    rows = [fit.is_row(cells) for cells in cells_of]
+    rows = [
+        not is_comment(line) and fit.is_line_of_row(text) for line, text in zip(lines, texts, strict=True)
+    ]
     whole = [_is_whole(cells) for cells in by_column]
     # a few numbers in a column are those of the head
     filled = [
@@ -171,7 +173,8 @@ def _rows(
     ]
     first = rows.index(True) if any(rows) else 0
     for place in range(first - 1, -1, -1):
-        if not _is_first_row(cells_of[place], fit, filled, whole):
+        cells = [] if is_comment(lines[place]) else fit.cells(texts[place])
+        if not _is_first_row(cells, fit, filled, whole):
             break
         rows[place] = True
     return rows

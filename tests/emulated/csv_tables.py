@@ -12,7 +12,8 @@ TURN = 2 * np.pi
 
 
 def write(name: str, head: str, columns: list[Array], delimiter: str = ",", digits: int = 7) -> None:
-    rows = (delimiter.join(f"{value:.{digits}f}" for value in row) for row in zip(*columns, strict=True))
+    row = delimiter.join([f"%.{digits}f"] * len(columns))
+    rows = (row % values for values in zip(*(each.tolist() for each in columns), strict=True))
     Path(name).write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
 
 

@@ -226,7 +226,7 @@ def _first_of_inverse(triangular: Complex) -> Complex:
     found = np.zeros(triangular.shape[:2], dtype=np.complex128)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found[:, 0] = 1.0 / triangular[:, 0, 0]
-        for at in range(1, found.shape[1]):
+        for at in range(1, triangular.shape[2]):
             known = np.vecdot(np.conj(found[:, :at]), triangular[:, :at, at])
             found[:, at] = -known / triangular[:, at, at]
     if not np.all(regular):

@@ -117,6 +117,7 @@ def harmonic_groups(
 def groups_of(squares: NDArray[np.float64], periods: int, orders: int) -> HarmonicGroups:
     """Return the groups of squares of the rms of bins, shape (windows, bins), of windows of `periods`; they
     stand for `beside2` too."""
+
     def total(members: Iterable[tuple[int, float]]) -> NDArray[np.float64]:
         sums = np.zeros((len(squares), orders))
         for offset, share in members:

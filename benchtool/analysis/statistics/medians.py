@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 
 def median(values: NDArray[np.float64]) -> float:
-    """Return the median of finite values, shape (n,), n > 0: that of numpy, which takes ten times as long to look
-    at its arguments."""
+    """Return the median of finite values, shape (n,), n > 0: that of numpy, which takes ten times as long to
+    look at its arguments."""
     lower, upper = (len(values) - 1) // 2, len(values) // 2
     ordered = values.copy()
     ordered.partition((lower, upper))
