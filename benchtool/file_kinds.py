@@ -53,6 +53,8 @@ _REMEDIES: Final[Mapping[FileKind, str]] = {
     FileKind.TABLE: "measure its columns with 'benchtool analyze --csv {path}'",
 }
 
+# no blanks but those of the line: of many empty ones each would be the first of all that follow
+_SECTION_OF_AN_EDS: Final = re.compile(r"^[ \t]*\[(?:FileInfo|DeviceInfo)\]", re.IGNORECASE | re.MULTILINE)
 _FEWEST_ROWS, _MOST_OF_ROWS = 2, 1 << 14  # characters at the end, by which rows are told
 
 
@@ -69,7 +71,7 @@ def kind_of(path: Path) -> FileKind | None:
             text = file.read(_MOST_BYTES)
     except (OSError, UnicodeDecodeError):
         return None
-    if re.search(r"^\s*\[(FileInfo|DeviceInfo)\]", text, re.IGNORECASE | re.MULTILINE):
+    if _SECTION_OF_AN_EDS.search(text):
         return FileKind.EDS
     if text.lstrip().startswith("{"):
         return FileKind.MANIFEST if _is_manifest(text) else None
