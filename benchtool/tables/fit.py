@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import operator
 import re
 from collections import defaultdict
 from collections.abc import Sequence
@@ -121,20 +120,13 @@ def _best_of(
     for delimiter, decimal in layouts:
         between = delimiter if groups else ""
         of_width = {
-            width: ([are_numbers(cells, decimal, between) for cells in columns], columns)
+            width: [_numbers_and_filled(cells, decimal, between) for cells in columns]
             for width, columns in of_delimiter[delimiter].items()
         }
-        for (width, (are, columns)), part in itertools.product(of_width.items(), _SUFFIXES):
-            begin = -(-len(columns[0]) * (part - 1) // part)
-            counts = [sum(each[begin:]) for each in are]
-            others = (
-                itertools.compress(cells[begin:], map(operator.not_, each[begin:]))
-                for each, cells in zip(are, columns, strict=True)
-            )
-            filled = [
-                count + sum(kind_of_word(cell) is None for cell in cells)
-                for count, cells in zip(counts, others, strict=True)
-            ]
+        for (width, columns), part in itertools.product(of_width.items(), _SUFFIXES):
+            begin = -(-len(columns[0][0]) * (part - 1) // part)
+            counts = [sum(are[begin:]) for are, _ in columns]
+            filled = [sum(some[begin:]) for _, some in columns]
             numeric = tuple(
                 count > 0 and count >= some / 2 for count, some in zip(counts, filled, strict=True)
             )
@@ -144,6 +136,15 @@ def _best_of(
             if sum(numeric) >= fewest and numbers * share**2 > (best.score if best else 0.0):
                 best = Fit(delimiter, decimal, width, numeric, numbers * share**2, share)
     return best
+
+
+def _numbers_and_filled(cells: Sequence[str], decimal: str, delimiter: str) -> tuple[list[bool], list[bool]]:
+    """Return of each cell of a column whether it is a number, and whether it is that or no word in place of
+    one."""
+    are = are_numbers(cells, decimal, delimiter)
+    if all(are):
+        return are, are
+    return are, [good or kind_of_word(cell) is None for good, cell in zip(are, cells, strict=True)]
 
 
 def _by_width(texts: Sequence[str], delimiter: str, fewest: int) -> dict[int, list[tuple[str, ...]]]:

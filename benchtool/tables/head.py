@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from benchtool.tables.cells import BLANKS, is_number, kind_of_word
+from benchtool.tables.cells import BLANKS, kind_of_word, plain
 from benchtool.tables.stamps import is_stamp
 from benchtool.tables.units import is_description, is_scale, is_unit, unit_factor
 
@@ -45,6 +45,7 @@ _ON_UNITS = re.compile(r"units?\b|einheit|unité|unidad|unità", re.IGNORECASE)
 _WORD = re.compile(r"(?<![\w.,])(?<!\d\s)[^\W\d_][\w°/·^-]*")
 _QUOTED_OR_WORD = re.compile(r'"[^"]*"(?!\S)|\S+')
 _BLANK = " \r\n\f\v"
+_NUMBER = re.compile(f"{plain('.')}|{plain(',')}")
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
@@ -304,7 +305,7 @@ def rows_below_names(
 
 def has_number(cell: str) -> bool:
     """Return whether a cell is a number with either decimal sign."""
-    return is_number(cell, ".") or is_number(cell, ",")
+    return is_stamp(cell) if ":" in cell else _NUMBER.fullmatch(cell) is not None
 
 
 def bare_line(line: str) -> str:

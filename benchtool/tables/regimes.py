@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +33,7 @@ def regimes(samples: NDArray[np.float64], unit: str) -> Regimes | None:
     None where it has one, drifts or swings."""
     greatest = float(np.max(np.abs(samples)))
     for measured, of in ((np.mean, "average"), (np.std, "have an rms deviation of")):
-        values = np.array([float(measured(each)) for each in _parts(samples, _PARTS)])
-        fine = np.array([float(measured(each)) for each in _parts(samples, _FINE_PARTS)])
+        values, fine = (_of_parts(measured, samples, most) for most in (_PARTS, _FINE_PARTS))
         for each in (values, fine):
             if len(each) and (found := _stretches(each, greatest, unit, of)):
                 return found
@@ -42,9 +42,17 @@ def regimes(samples: NDArray[np.float64], unit: str) -> Regimes | None:
     return None
 
 
-def _parts(samples: NDArray[np.float64], most: int) -> list[NDArray[np.float64]]:
+def _of_parts(
+    measured: Callable[..., NDArray[np.float64]], samples: NDArray[np.float64], most: int
+) -> NDArray[np.float64]:
+    """Return what is measured of each of up to so many parts of samples, shape (n,); of too few none."""
     count = min(most, len(samples) // _FEWEST_PER_PART)
-    return np.array_split(samples, count) if count >= _FEWEST_PER_PART else []
+    if count < _FEWEST_PER_PART:
+        return np.empty(0)
+    rows, longer = divmod(len(samples), count)  # the first parts have a row more
+    split = longer * (rows + 1)
+    both = samples[:split].reshape(longer, rows + 1), samples[split:].reshape(-1, rows)
+    return np.concatenate([measured(each, axis=1) for each in both])
 
 
 def _stretches(values: NDArray[np.float64], greatest: float, unit: str, of: str) -> Regimes | None:
