@@ -61,6 +61,7 @@ def bundle(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "run"
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_report_of_names_with_brackets(bundle: Path, tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ("report", str(bundle), "--out", str(tmp_path / "a.html")))
     assert result.exit_code == 0, result.output

@@ -321,6 +321,7 @@ def _plan_without_supervision(folder: Path, drive: str) -> Path:
     return plan
 
 
+@pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("drive", ["", "allow_unsupervised = true"])
 def test_manifest_and_reports_say_that_a_drive_ran_unsupervised(tmp_path: Path, drive: str) -> None:
     plan = _plan_without_supervision(tmp_path, drive)

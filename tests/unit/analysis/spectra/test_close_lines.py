@@ -129,7 +129,7 @@ def test_what_no_single_line_explains_is_uncertain(lines: list[tuple[float, floa
         assert abs(error) < 2.5 * u
 
 
-@pytest.mark.parametrize("cycles", [0.25, 2.0])
+@pytest.mark.parametrize("cycles", [0.25, *at_length(2.0)])
 def test_an_angle_between_fundamental_and_harmonics_that_moves_is_no_line(cycles: float) -> None:
     """As that of a load: it leaves the amplitude as it is, which a line beside the fundamental does not."""
     found = []
