@@ -24,6 +24,7 @@ from benchtool.protocol.dictionary.roles import Role
 from benchtool.protocol.dictionary.variable import Variable
 
 _HASH = "dictionary_hash"
+_INDEX = re.compile(r"0[xX]([0-9A-Fa-f]{4})(?::(\d{1,3}))?")
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class Dictionary:
             return self.by_key.get(name)
         if name in self.variables:
             return self.variables[name]
-        match = re.fullmatch(r"0[xX]([0-9A-Fa-f]{4})(?::(\d{1,3}))?", name)
+        match = _INDEX.fullmatch(name)
         return self.by_key.get((int(match[1], 16), int(match[2] or 0))) if match else None
 
 

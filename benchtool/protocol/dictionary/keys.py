@@ -23,7 +23,7 @@ def variable_of(dictionary: Dictionary, key: str) -> Variable:
     """
     variables = list(dictionary)
     for variable in variables:
-        if key == toml_key(variable):
+        if key.startswith(variable.name) and key == toml_key(variable):
             return variable
     near = [variable for variable in variables if key == variable.name or key.startswith(f"{variable.name}_")]
     close = difflib.get_close_matches(key, [toml_key(variable) for variable in variables], n=1)
