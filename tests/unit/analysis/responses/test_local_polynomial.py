@@ -10,6 +10,7 @@ from scipy import signal
 
 from benchtool.analysis.responses.estimated_response import FrequencyResponse
 from benchtool.analysis.responses.frequency_response import local_response
+from benchtool.analysis.responses.local_polynomial import _first_of_inverse
 from tests.at_length import at_length
 
 RATE_HZ = 10_000.0
@@ -56,3 +57,11 @@ def test_noise_alone_gives_no_poles() -> None:
     off = (found.response - 1.0) / found.error
     assert 0.85 < float(np.sqrt(0.5 * np.mean(np.abs(off) ** 2))) < 1.15
     assert float(np.median(found.error)) == pytest.approx(0.3 * math.sqrt(0.5 * 2.25 / 17.0), rel=0.15)
+
+
+def test_the_first_row_of_an_inverse_is_that_of_the_pseudo_inverse_also_where_there_is_none() -> None:
+    random = np.random.default_rng(1)
+    matrices = np.triu(random.standard_normal((6, 5, 5)) + 1j * random.standard_normal((6, 5, 5)))
+    matrices[2, 3, 3] = matrices[4, 0, 0] = 0.0
+    found = _first_of_inverse(matrices)
+    np.testing.assert_allclose(found, np.linalg.pinv(matrices)[:, 0, :], rtol=1e-9, atol=1e-9)
