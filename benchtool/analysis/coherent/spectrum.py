@@ -265,6 +265,17 @@ def spectrum_of(coherent: CoherentSamples) -> CoherentSpectrum:
     return CoherentSpectrum(frequency_Hz, amplitude, periods, coherent.samples, bins)
 
 
+def samples_of(spectrum: CoherentSpectrum, count: int) -> NDArray[np.float64]:
+    """Return what a spectrum has at `count` equal steps over its periods, shape (count,), without the mean.
+
+    Samples that were resampled have something beyond the band, too: what the interpolation folds there beats
+    against the rows.
+    """
+    bins = spectrum.phasor * (0.5 * count)
+    bins[0] = 0.0
+    return np.asarray(fft.irfft(bins, count))
+
+
 def harmonics(spectrum: CoherentSpectrum) -> NDArray[np.float64]:
     """Return the peak amplitudes of harmonics 1, 2, 3 ... up to the end of the band, shape (harmonics,)."""
     return spectrum.amplitude[spectrum.periods :: spectrum.periods]

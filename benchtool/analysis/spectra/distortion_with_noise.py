@@ -11,7 +11,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import CoherentSpectrum, spectrum_of
+from benchtool.analysis.coherent.spectrum import CoherentSpectrum, samples_of, spectrum_of
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.sensitivity import Sensitivities
@@ -123,11 +123,11 @@ def _scatter_of_power(found: Separation, rms: float) -> MeanError:
     """Return the error of the `rms` of all but dc and the fundamental, by its squares in each period without
     what the periods are clean of, and by what noise does to that."""
     clean = found.steady.samples
-    of_periods = clean.values.reshape(clean.periods, -1)
+    of_periods = samples_of(found.clean, len(clean.values)).reshape(clean.periods, -1)
     turn = 2.0 * np.pi / clean.per_period * np.arange(clean.per_period)
     phasor = found.clean.phasor[clean.periods] * _turned(found)[:, np.newaxis]
     fundamental = phasor.real * np.cos(turn) - phasor.imag * np.sin(turn)
-    squares = np.mean(np.square(of_periods - np.mean(of_periods) - fundamental), axis=1)
+    squares = np.mean(np.square(of_periods - fundamental), axis=1)
     error = error_of_periods(squares)
     others = found.whole.values - clean.values
     if np.any(others):

@@ -238,3 +238,18 @@ def test_a_line_beside_a_fundamental_of_steady_frequency_moves_no_other_harmonic
             assert found.uncertainty.standard < 0.02 * truth
             errors.append((found.value - truth) / found.uncertainty.standard)
     assert np.max(np.abs(errors)) < 4.0
+
+
+def test_what_is_beyond_the_band_is_no_scatter_of_the_power_within() -> None:
+    """A ripple near half of the sample rate, which the resampling folds: it beats against the periods."""
+    rows = np.arange(round(5.4 * 100.13))
+    turned, found = rows / 100.13, []
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        signal = np.cos(2 * np.pi * turned) + 0.02 * np.cos(10 * np.pi * turned)
+        signal += 0.01 * random.standard_normal(len(rows))
+        signal += 0.3 * np.cos(2 * np.pi * 0.4975 * rows + random.uniform(0.0, 6.28))
+        found.append(with_noise(signal))
+    stated = [each.uncertainty.standard for each in found if each.uncertainty is not None]
+    assert len(stated) == 8
+    assert np.max(stated) < 6.0 * np.std([each.value for each in found])
