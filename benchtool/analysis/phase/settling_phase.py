@@ -63,10 +63,10 @@ def settling_phase(
     cubic = np.polynomial.Polynomial.fit(periods, phase_rad, _PARAMETERS - 1)
     of_cubic2 = float(np.sum((phase_rad - cubic(periods)) ** 2))
     rates = 1.0 / np.geomspace(_FASTEST, count, _RATES)
-    coarse = _rate_of_least(periods, phase_rad, rates)
+    coarse = float(rates[np.argmin(_left2(periods, phase_rad, rates))])
     apart = float(rates[0] / rates[1])
     fine = coarse * np.geomspace(1.0 / apart, apart, _RATES)
-    rate = _rate_of_least(periods, phase_rad, fine)
+    rate = _between(fine, _left2(periods, phase_rad, fine))
     left2, found = _fit(periods, phase_rad, rate, are_means)
     about2 = max(left2 / spare, noise2)
     if left2 > _AS_NOISE * noise2 * spare or of_cubic2 - left2 < _CLEARLY * about2:
@@ -75,16 +75,16 @@ def settling_phase(
     return SettlingPhase(offset, slope, size, rate, count, about2, are_means)
 
 
-def _rate_of_least(
+def _left2(
     periods: NDArray[np.float64], phase_rad: NDArray[np.float64], rates: NDArray[np.float64]
-) -> float:
-    """Return the rate, one of shape (rates,), of the settling that leaves the least sum of squares."""
+) -> NDArray[np.float64]:
+    """Return the sums of squares, rad^2, that settlings of these rates leave, both of shape (rates,)."""
     bases = np.empty((len(rates), len(periods), 3))
     bases[:, :, 0], bases[:, :, 1] = 1.0, periods
     np.exp(-rates[:, np.newaxis] * periods, out=bases[:, :, 2])
     orthogonal = np.linalg.qr(bases).Q
     left = phase_rad - np.matvec(orthogonal, np.vecmat(phase_rad, orthogonal))
-    return float(rates[np.argmin(np.vecdot(left, left))])
+    return np.asarray(np.vecdot(left, left))
 
 
 def _fit(
@@ -96,6 +96,18 @@ def _fit(
         basis[:, 2] *= _mean_over_period(rate)
     found = np.asarray(np.linalg.lstsq(basis, phase_rad, rcond=None)[0])
     return float(np.sum((phase_rad - basis @ found) ** 2)), found
+
+
+def _between(rates: NDArray[np.float64], left2: NDArray[np.float64]) -> float:
+    """Return the rate of the least sum of squares, by a parabola through it and those of its neighbours, all
+    of shape (n,) and of equal ratios: a settling of many radians errs by more than noise in half a step."""
+    least = int(np.argmin(left2))
+    if not 0 < least < len(rates) - 1:
+        return float(rates[least])
+    before, here, after = left2[least - 1 : least + 2]
+    bend = before - 2.0 * here + after
+    shift = 0.5 * float((before - after) / bend) if bend > 0.0 else 0.0
+    return float(rates[least] * (rates[1] / rates[0]) ** shift)
 
 
 def _basis(periods: NDArray[np.float64], rate: float) -> NDArray[np.float64]:

@@ -37,3 +37,17 @@ def test_noise_and_a_swing_are_no_settling(swing_rad: float) -> None:
     for _ in range(20):
         phase_rad = swing_rad * np.sin(places / 4.0) + rng.normal(0.0, NOISE_RAD, len(places))
         assert settling_phase(phase_rad, NOISE_RAD**2) is None
+
+
+def test_a_settling_of_many_radians_is_as_exact_as_its_noise() -> None:
+    """Rates a part in three hundred apart are ten times the noise at the ends."""
+    rng = np.random.default_rng(6)
+    size_rad, count = -13.0, 98
+    places, ends = np.arange(count), np.array([-BEFORE, count - 1.0 + AFTER])
+    for over_periods in np.linspace(44.0, 46.0, 7):
+        start_rad, end_rad = size_rad * np.exp(-ends / over_periods)
+        phase_rad = size_rad * np.exp(-places / over_periods) + rng.normal(0.0, NOISE_RAD / 10.0, count)
+        found = settling_phase(phase_rad, (NOISE_RAD / 10.0) ** 2, are_means=False)
+        assert found is not None
+        turned_rad, error2 = found.turned(BEFORE, AFTER)
+        assert abs(turned_rad - (end_rad - start_rad)) < 2.5 * math.sqrt(error2)
