@@ -254,7 +254,7 @@ SECTIONS: Final = (
         "Centre, radius and orders of the stator flux, and symmetrical components of the currents "
         "(`benchtool.analysis.flux`, `benchtool.analysis.spectra.unbalance`).",
         """
-        0219 0289 0314 0363 0407 0529
+        0219 0289 0314 0363 0407 0529 0432
         0042 0293 0302 0316 0341 0492 0498
         """,
     ),

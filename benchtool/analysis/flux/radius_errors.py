@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectra.amplitude_trend import FEWEST_PERIODS, amplitude_trend
+from benchtool.analysis.statistics.magnitudes import added_by_noise
 from benchtool.analysis.statistics.scatter import (
     MeanError,
     at_lowest_frequencies,
@@ -99,23 +100,24 @@ def error_of_slow_rms(means: NDArray[np.float64], by_squares: MeanError, rms: fl
 
 
 def length_of_mean(
-    points: NDArray[np.complex128], after: float, samples: NDArray[np.complex128] | None = None
+    points: NDArray[np.complex128],
+    after: float,
+    samples: NDArray[np.complex128] | None = None,
+    steps: float = 0.0,
 ) -> tuple[float, float, MeanError]:
-    """Return distance of the mean of points, shape (revolutions,), from zero, the share of it that their
-    scatter explains, and the error of the mean along its direction. Where the points are the means of
-    `samples`, shape (n,), the density of these tells it too."""
+    """Return distance of the mean of points, shape (revolutions,), from zero, how much their scatter
+    and `steps` of that standard uncertainty may add, and the error of the mean by scatter along its
+    direction. Where the points are the means of `samples`, shape (n,), the density of these tells it too.
+    """
     mean = complex(np.mean(points))
     length = abs(mean)
     towards = np.conj(mean) / length if length else 1.0
     turned, parts = points * towards, None if samples is None else samples * towards
     along = error_of_mean(turned.real, after, None if parts is None else parts.real)
-    across = error_of_periods(turned.imag)
-    if parts is not None:
-        across = _by_density(parts.imag, across, len(points))
+    # a trend is relative to a mean, which is nothing across
+    across = error_of_mean(length + turned.imag, after, None if parts is None else parts.imag)
     along, across = _pooled(along, across), _pooled(across, along)
-    variance = along.standard**2 + across.standard**2
-    left = length**2 - variance if math.isfinite(variance) else length**2
-    return length, length - math.sqrt(max(0.0, left)), along
+    return length, added_by_noise(length, math.hypot(across.standard, steps)), along
 
 
 def _pooled(one: MeanError, other: MeanError) -> MeanError:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.quantisation.repeated_steps import RepeatedSteps, steps_of_periods
+from benchtool.analysis.statistics.magnitudes import standard_of_root
 
 _MOST_PLACES, _SAMPLES_AT_PLACE = 256, 4
 
@@ -49,16 +50,16 @@ class StepErrors:
 
     def of_rms(self, rms: float) -> float:
         """Standard uncertainty of the `rms` of the radius about its mean, by what errors do with that, and by
-        how much their power differs from what steps add on average."""
-        if self.path is None or not rms > 0.0:
+        how much their power differs from what steps add on average: that may be all of it."""
+        if self.path is None:
             return 0.0
         radius = np.abs(self.path)
         of_powers = (
             float(np.std(np.mean(each.errors**2 * _at_points(share**2, each.errors.shape[1]), axis=1)))
             for share, each in self._shares
         )
-        along = self._along_radius((radius - np.mean(radius)) / rms)
-        return math.hypot(along, *(each / (2.0 * rms) for each in of_powers))
+        along = self._along_radius(2.0 * (radius - np.mean(radius)))
+        return standard_of_root(rms**2, math.hypot(along, *of_powers))
 
     def of_sixth(self, sixth: complex, begin_rad: float) -> float:
         """Standard uncertainty of the length of order 6 of the radius, along an angle that is `begin_rad`

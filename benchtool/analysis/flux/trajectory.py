@@ -302,9 +302,10 @@ def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
     found, other = flux.without_growth(growth), flux.without_growth(growth + of_growth)
     centre, apart = found[:, 0], other[:, 0] - found[:, 0]
     text = "distance from zero of the mean of psi_alpha + j psi_beta, fitted together with orders 1, -5 and 7"
-    length, bias, along = length_of_mean(centre, flux.after, flux.of_centre)
+    steps = flux.steps.of_centre(complex(np.mean(centre)))
+    length, bias, along = length_of_mean(centre, flux.after, flux.of_centre, steps)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_steps = Contribution("resolution", "B", flux.steps.of_centre(complex(np.mean(centre))))
+    of_steps = Contribution("resolution", "B", steps)
     yield flux.number("flux_centre_offset", text, length, along, by_scatter, _grows(centre, apart), of_steps)
 
     sixth, apart = _sixth(found), _sixth(other) - _sixth(found)
@@ -313,9 +314,11 @@ def _of_shape(flux: _Revolutions) -> Iterator[Measurement]:
         "of psi_alpha + j psi_beta; 0 for a circle, 1/25 + 1/49 of order 1 for a hexagon run along its sides "
         "evenly"
     )
-    length, bias, along = length_of_mean(sixth, flux.after, flux.of_sixth if flux.are_few else None)
+    steps = flux.steps.of_sixth(complex(np.mean(sixth)), flux.begin_rad)
+    samples = flux.of_sixth if flux.are_few else None
+    length, bias, along = length_of_mean(sixth, flux.after, samples, steps)
     by_scatter = Contribution("length that the scatter adds", "B", bias, adds_power=True)
-    of_two = Contribution("resolution", "B", flux.steps.of_sixth(complex(np.mean(sixth)), flux.begin_rad))
+    of_two = Contribution("resolution", "B", steps)
     yield flux.number("flux_radius_order_6", text, length, along, by_scatter, _grows(sixth, apart), of_two)
 
 

@@ -15,8 +15,9 @@ from benchtool.analysis.noise.noise import noise_floor
 from benchtool.analysis.noise.noise_of_lines import contribution_of_noise
 from benchtool.analysis.spectra.line_errors import LineErrors, line_errors
 from benchtool.analysis.spectra.modulation import is_modulated_alike, noise_of_sum
+from benchtool.analysis.statistics.magnitudes import standard_of_root
 from benchtool.analysis.statistics.scatter import MeanError
-from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, coverage_factor
+from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined
 
 HIGHEST_HARMONIC = 50
 _STANDS_OUT = 5.0  # standard uncertainties of an amplitude
@@ -244,17 +245,14 @@ def _content(
 def _of_root(square: float, deviation: float) -> tuple[Contribution, ...]:
     """Return the uncertainty of the root of a square, at least 0, whose standard deviation is known.
 
-    The root is steep at zero: its expanded uncertainty is the longer side of the roots of two standard
-    deviations of the square. Of a signal that has none, half of the squares are cut off at zero: the roots
-    are 0.41 times the root of the standard deviation on average, which the mean of many records keeps.
+    Of a signal that has none, half of the squares are cut off at zero: the roots are 0.41 times the root of
+    the standard deviation on average, which the mean of many records keeps.
     """
     name = "noise in the harmonics and the floor"
     if not (math.isfinite(square) and math.isfinite(deviation)):
         return (Contribution(name, "A", math.nan),)
-    root, least2 = math.sqrt(square), max(0.0, square - 2.0 * deviation)
-    above, below = math.sqrt(square + 2.0 * deviation) - root, root - math.sqrt(least2)
-    standard = max(above, below) / coverage_factor(math.inf)
-    if least2 > 0.0 or not deviation:
+    standard = standard_of_root(square, deviation)
+    if square > 2.0 * deviation or not deviation:
         return (Contribution(name, "A", standard),)
     cut_off = min(standard, _CUT_OFF * math.sqrt(deviation))
     return (

@@ -38,6 +38,7 @@ from benchtool.analysis.spectra.flat_crests import flat_crest, with_flat_crest
 from benchtool.analysis.spectra.interharmonics import Interharmonics, interharmonics, without
 from benchtool.analysis.spectra.modulation import CORRELATED, PeriodsInTime
 from benchtool.analysis.spectra.moving_tones import Course
+from benchtool.analysis.statistics.magnitudes import added_by_noise
 from benchtool.analysis.statistics.regimes import change_of_regime
 from benchtool.analysis.statistics.scatter import (
     MeanError,
@@ -57,8 +58,6 @@ _BY_CHANCE = 0.1
 _ORDERS_AROUND, _FEWEST_AROUND = 2, 20  # whose bins tell the noise; bins
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _DITHERS = 0.25  # of a step: the least amplitude of a tone that moves the signal from step to step
-_MAY_BE_NOISE = 4.45  # times either part of the noise: by chance one magnitude in twenty thousand
-_OF_NOISE_ALONE = 0.75  # of its parts: noise reads up to 2.45 of them in 95 % of records (Rayleigh)
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
 _SEQUENCES: Final[tuple[PhaseSequence, ...]] = ("positive", "negative", "zero")
 _UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
@@ -322,11 +321,7 @@ def _component(
         along = MeanError(math.nan, along.dof)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
-    # noise across the phasor makes its magnitude larger (Rice distribution)
-    of_parts = math.hypot(across.standard, steps)
-    bias = magnitude - math.sqrt(max(0.0, magnitude**2 - of_parts**2))
-    if magnitude < _MAY_BE_NOISE * of_parts:
-        bias = max(bias, _OF_NOISE_ALONE * of_parts)
+    bias = added_by_noise(magnitude, math.hypot(across.standard, steps))
     of_phase = across if beside is None else _without_wander(across, beside)
     along = _pooled(along, of_phase)
     # of a phase that wanders by phi rms a mean is phi^2 / 2 shorter

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 
+from benchtool.analysis.flux.radius_errors import length_of_mean
 from benchtool.analysis.flux.trajectory import flux_trajectory
 from benchtool.analysis.measurement import Measurement
 from benchtool.block import Block, Channel
@@ -285,3 +286,37 @@ def test_samples_at_the_same_places_of_all_revolutions_show_their_noise() -> Non
         assert found.uncertainty is not None
         errors.append((found.value - 0.002) / found.uncertainty.standard)
     assert np.sqrt(np.mean(np.square(errors))) < 1.6
+
+
+def test_a_centre_at_zero_is_within_its_uncertainty() -> None:
+    random, held = np.random.default_rng(5), []
+    for _ in range(150):
+        length, bias, along = length_of_mean(
+            random.standard_normal(20) + 1j * random.standard_normal(20), 0.0
+        )
+        held.append(length < 2.0 * np.hypot(along.standard, bias))
+    assert np.mean(held) > 0.95
+
+
+def test_a_ripple_below_the_steps_is_no_exact_nothing() -> None:
+    """What steps add on average may be more than the whole reading."""
+    random, none = np.random.default_rng(8), 0
+    for radius in 0.17 + 1e-3 * random.uniform(-1.0, 1.0, 3):
+        step, noise = 1.5e-3, 2e-5 * random.standard_normal((2, ROWS))
+        psi = radius * np.exp(1j * _turns(20.3)) + noise[0] + 1j * noise[1]
+        found = _number(
+            step * (np.round(psi.real / step) + 1j * np.round(psi.imag / step)), "flux_radius_rms"
+        )
+        assert found.uncertainty is not None
+        assert abs(found.value - 2e-5) < 3.0 * found.uncertainty.standard
+        none += found.value == 0.0
+    assert none
+
+
+def test_a_centre_that_drifts_across_its_distance_from_zero_is_told() -> None:
+    psi = 0.12 * np.exp(1j * _turns(30.3)) + 0.002 + 0.004j * np.linspace(-0.5, 0.5, ROWS)
+    noise = np.random.default_rng(4).standard_normal((2, ROWS))
+    found = _number(psi + 1e-4 * (noise[0] + 1j * noise[1]), "flux_centre_offset")
+    assert found.uncertainty is not None
+    assert found.value == pytest.approx(0.002, abs=3.0 * found.uncertainty.standard)
+    assert found.uncertainty.standard < 2e-5
