@@ -29,6 +29,7 @@ _PASSES = 2
 _BEYOND = 3.0  # standard uncertainties of the angle
 _PLACES = 64  # in a period
 _OF_REPEATED = "what is the same in every turn, by what differs from turn to turn"
+_OF_SIGNAL = "departure of the signal"
 _OF_EITHER = "what may be the rotor's or an error of its sensor"
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
@@ -69,9 +70,10 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
             if max(noise.standard, _between_rows_rad(track.measured_rad)) < _COMPUTED_RAD:
                 found = Turned(float(measured_rad[-1] - measured_rad[0]), (noise,), noise.name)
     turned = _with_half(found, may_be_rad, may_be_rad)
-    result = turned
-    if track.departure is None:
-        result = _with_departure(turned, track, seen, measured_rad - smooth_rad)
+    along_rad = smooth_rad
+    if track.departure is not None:
+        along_rad = track.at(np.arange(track.samples, dtype=np.float64))
+    result = _with_departure(turned, track, seen, measured_rad - along_rad)
     if result is turned and track.resolution_rad > 0.0:
         result = _with_tone(result, by_tone)
     elif result is turned and by_tone is not None and track.departure is None and _shows_turns(track):
@@ -129,11 +131,17 @@ def _with_departure(turned: Turned, track: PhaseTrack, seen: Wander, angle_rad: 
     `angle_rad` is what the angle departs from the track that the signal was seen along, shape (n,).
     """
     beside_rad = _beside_angle(track, seen, angle_rad)
-    half_rad = _HALF * track.periods * steady_departure(beside_rad, seen.amplitude)
-    if not _HALF * _BEYOND * turned.standard < abs(half_rad):
+    found = steady_departure(beside_rad, seen.amplitude)
+    half_rad = _HALF * track.periods * found.rise_rad
+    # what the signal departs in the mean is no reason to overlook that it does so steadily
+    of_angle_rad = math.hypot(*(each.standard for each in turned.budget if each.name != _OF_SIGNAL))
+    if not _HALF * _BEYOND * of_angle_rad < abs(half_rad):
         return turned
     line = Contribution("steady departure of the signal from the angle", "B", abs(half_rad))
-    return Turned(turned.phase_rad + half_rad, (*turned.budget, line), f"{turned.source}, and {line.name}")
+    # the noise of the signal is in what is right if the angle slips
+    noise = Contribution("noise of that departure", "A", track.periods * found.standard_rad, found.dof)
+    budget = (*turned.budget, line, noise)
+    return Turned(turned.phase_rad + half_rad, budget, f"{turned.source}, and {line.name}")
 
 
 def _beside_angle(track: PhaseTrack, seen: Wander, angle_rad: Floats) -> Floats:
@@ -257,6 +265,6 @@ def _by_ends(track: PhaseTrack, measured_rad: Floats, seen: Wander) -> Turned:
         Contribution("bend of the angle at both ends", "B", math.hypot(*left_out)),
         Contribution("resolution of the angle", "B", math.sqrt(sum(steps2))),
         # what the signal does not do with the angle may be an error of the angle, at each end another
-        Contribution("departure of the signal", "B", math.sqrt(2.0) * seen.excess_rad),
+        Contribution(_OF_SIGNAL, "B", math.sqrt(2.0) * seen.excess_rad),
     )
     return Turned(values[1] - values[0], budget, "noise, bend and resolution of the angle at both ends")
