@@ -207,12 +207,18 @@ SECTIONS: Final = (
         """,
     ),
     Section(
-        "Spectra: frequency and the phase that is followed",
-        "Over which course of the phase a spectrum is taken, and what that says of the fundamental "
-        "frequency (`benchtool.analysis.phase`).",
+        "Spectra: the phase that is followed",
+        "Over which course of the phase a spectrum is taken (`benchtool.analysis.phase`).",
         """
-        0035 0180 0186 0221 0236 0320 0206 0304 0340 0189
-        0245 0413 0415 0416 0417 0353 0375 0503 0241 0301 0370 0418 0477 0509 0428
+        0035 0180 0186 0221 0236 0320 0304 0340 0189 0413 0417 0241 0301 0370 0477 0509
+        """,
+    ),
+    Section(
+        "Spectra: the fundamental frequency",
+        "What the phase of a signal and an angle say of the frequency, from the first row to the last "
+        "(`benchtool.analysis.phase`).",
+        """
+        0206 0245 0415 0416 0353 0375 0431 0503 0418 0428
         """,
     ),
     Section(
@@ -246,7 +252,7 @@ SECTIONS: Final = (
         """
         0215 0322 0384 0398 0386 0256 0317 0321 0456 0326 0487 0496
         0497
-        0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491 0452 0431
+        0238 0344 0348 0405 0410 0359 0324 0343 0347 0448 0491 0452
         """,
     ),
     Section(
