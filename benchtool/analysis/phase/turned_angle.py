@@ -27,9 +27,10 @@ _SLOPE = 2.6  # most that two thirds of a turn of a sinusoid add over the record
 _FEWEST_AT_END = 12  # samples of an angle for a cubic
 _PASSES = 2
 _BEYOND = 3.0  # standard uncertainties of the angle
-_PLACES = 64  # in a period
+_PLACES, _PLACES_SEEN = 64, 16  # in a period
 _OF_REPEATED = "what is the same in every turn, by what differs from turn to turn"
 _OF_SIGNAL = "departure of the signal"
+_WITHIN = "what the angle does within periods"
 _OF_EITHER = "what may be the rotor's or an error of its sensor"
 _HALF = 0.5  # as likely the rotor's as an error of its sensor: a standard deviation away from both
 
@@ -74,8 +75,9 @@ def turned_by_angle(track: PhaseTrack, seen: Wander, by_tone: Turned | None = No
     if track.departure is not None:
         along_rad = track.at(np.arange(track.samples, dtype=np.float64))
     result = _with_departure(turned, track, seen, measured_rad - along_rad)
-    if result is turned and track.resolution_rad > 0.0:
-        result = _with_tone(result, by_tone)
+    if result is turned and track.resolution_rad > 0.0 and by_tone is not None:
+        unseen = Contribution(_WITHIN, "B", math.sqrt(2.0) * _within_rad(track, measured_rad - smooth_rad))
+        result = result.with_other(replace(by_tone, budget=(*by_tone.budget, unseen)))
     elif result is turned and by_tone is not None and track.departure is None and _shows_turns(track):
         beside = beyond_noise(_beside_angle(track, seen, measured_rad - smooth_rad), seen.amplitude)
         result = turned.with_either(by_tone, beside.excess_rad)
@@ -118,6 +120,20 @@ def _within_periods(track: PhaseTrack, smooth_rad: Floats, repeated_rad: Floats)
     within_rad = of_revolution - ndimage.uniform_filter1d(of_revolution, _PLACES, mode="wrap")
     begin, end = np.interp(turns[[0, -1]] % track.pole_pairs, places, within_rad, period=track.pole_pairs)
     return float(end - begin)
+
+
+def _within_rad(track: PhaseTrack, left_rad: Floats) -> float:
+    """Return how far, rms, an angle departs within periods from its means over these, which are all that the
+    phases of periods of a signal show, beyond its steps: `left_rad`, shape (n,), is the angle about a steady
+    rise."""
+    from scipy import ndimage
+
+    per_period = track.samples / track.periods
+    fine, means = (
+        ndimage.uniform_filter1d(left_rad, max(1, round(size)))
+        for size in (per_period / _PLACES_SEEN, per_period)
+    )
+    return math.sqrt(max(0.0, float(np.var(fine - means)) - track.resolution_rad**2 / 12.0))
 
 
 def _with_tone(turned: Turned, by_tone: Turned | None) -> Turned:

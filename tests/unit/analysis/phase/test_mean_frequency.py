@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis.phase.turned_angle import turned_by_angle
 from benchtool.analysis.phase.turned_phase import Turned
+from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.uncertainty import Contribution
 from benchtool.block import Block
 
@@ -127,3 +129,21 @@ def test_a_wandering_speed_within_few_periods_has_the_frequency_of_its_angle() -
         true_Hz = (phase[-1] - phase[0]) / (2.0 * np.pi) * 10_000.0 / (count - 1)
         errors.append((frequency.value - true_Hz) / frequency.uncertainty.standard)
     assert np.max(np.abs(errors)) < 2.5
+
+
+@pytest.mark.parametrize(("swing_Hz", "is_seen"), [(27.7, False), (1.3, True)])
+def test_the_phases_of_periods_do_not_tell_what_the_rotor_does_within(swing_Hz: float, is_seen: bool) -> None:
+    """A swing faster than the fundamental is in the counts alone."""
+    time_s = np.arange(20_000) / RATE_HZ
+    theta = 2 * np.pi * 20.0 * time_s + 0.09 * np.sin(2 * np.pi * swing_Hz * time_s)
+    count = 2 * np.pi / COUNTS
+    track = track_angle(np.floor(np.mod(theta / POLE_PAIRS, 2 * np.pi) / count) * count, POLE_PAIRS)
+    seen = Wander(np.zeros(40), np.ones(40), 0.0, 1e-3)
+    by_angle = turned_by_angle(track, seen)
+    of_tone = Contribution("noise", "A", 0.1 * by_angle.standard)
+    both = turned_by_angle(
+        track, seen, Turned(by_angle.phase_rad + by_angle.standard, (of_tone,), "the tone")
+    )
+    moved = (both.phase_rad - by_angle.phase_rad) / by_angle.standard
+    assert (moved > 0.9) is is_seen
+    assert (moved < 0.2) is not is_seen
