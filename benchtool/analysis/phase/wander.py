@@ -114,17 +114,14 @@ def beyond_noise(phase_rad: NDArray[np.float64], amplitude: NDArray[np.float64])
 def _in_the_middle(phasor: NDArray[np.complex128], size: int) -> NDArray[np.complex128]:
     """Return phasors of periods of so many samples, shape (periods,), in their middles and without the image
     at the negative frequency: where a tone turns by x more in a period its sum over n of exp(-2j (2 pi n /
-    size)) n / size is not zero, but x (cot(2 pi / size) + j) / (2 size), about x / (4 pi), of its conjugate,
-    and j times as much where it grows by x of its amplitude.
+    size)) n / size is not zero, but x (cot(2 pi / size) + j) / (2 size), about x / (4 pi), of its conjugate.
     """
     turned_rad = np.gradient(np.unwrap(np.angle(phasor)), edge_order=2)
     most_rad, bent_rad = (float(np.max(np.abs(each))) for each in (turned_rad, np.diff(turned_rad)))
     if not (most_rad < _MOST_TURNED_RAD and bent_rad < _MOST_BENT_RAD):
         return phasor
-    middle = float(np.mean(np.abs(phasor)))
-    grown = np.gradient(np.abs(phasor), edge_order=2) / middle if middle > 0.0 else 0.0
-    image = 0.5 / size * (1.0 / math.tan(2.0 * math.pi / size) + 1j) * (turned_rad + 1j * grown)
-    return np.asarray(phasor * np.exp(0.5j / size * turned_rad) - image * np.conj(phasor))
+    image = 0.5 / size * (1.0 / math.tan(2.0 * math.pi / size) + 1j)
+    return np.asarray(phasor * np.exp(0.5j / size * turned_rad) - image * turned_rad * np.conj(phasor))
 
 
 def _by_chance(phase_rad: NDArray[np.float64], of_amplitude: float) -> float:

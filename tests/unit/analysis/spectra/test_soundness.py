@@ -164,7 +164,7 @@ def test_what_a_current_of_two_amplitudes_does_not_define_has_that_as_its_one_re
     track = track_angle(turned_rad % (2 * np.pi), 1)
     _, *others = current_spectrum(Block.from_arrays(10e3, {"i_a": "A"}, i_a=i_a), "i_a", track).measurements
     (reason,) = {each.reason for each in others}
-    assert reason.startswith("the amplitude of i_a changes from 5.01 to 7.5 between parts of the window")
+    assert reason.startswith("the amplitude of i_a changes from 5.03 to 7.5 between parts of the window")
 
 
 def test_a_dc_that_is_gone_within_a_period_makes_no_jump_of_the_fundamental() -> None:
