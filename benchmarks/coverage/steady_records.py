@@ -73,6 +73,7 @@ class Disturbance:
     torque_Nm: float = TORQUE_NM
     angle: bool = True
     counts: int = 0
+    is_32_bit: bool = False  # an angle that a link carries in 32 bits
     wobble_rad: tuple[float, int] = (0.0, 1)  # rms of the encoder's own error, and its order
     slip: float = 0.0
     angle_noise_rad: float = 0.0
@@ -197,6 +198,8 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
     angle = np.mod(angle, 2 * np.pi)
     if what.counts:
         angle = np.floor(angle * what.counts / (2 * np.pi)) * (2 * np.pi / what.counts)
+    if what.is_32_bit:
+        angle = angle.astype(np.float32).astype(np.float64)
     columns = {"i_a": current, "torque": torque} | ({"theta_m": angle} if what.angle else {})
     units = {"i_a": "A", "torque": "Nm", "theta_m": "rad"}
     block = Block.from_arrays(RATE_HZ, {name: units[name] for name in columns}, **columns)

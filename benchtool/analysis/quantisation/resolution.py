@@ -18,7 +18,8 @@ _OF_DOUBLES = 1e-13  # of the greatest value: what a few sums and products round
 _ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
 _MOST_PLACES, _OF_A_DIGIT, _LEAST_OF_TEXT = 10, 1e-4, 1e-280
 _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
-_WHOLE, _MOST = 1e-3, 0.9  # of a step; share of the samples that are whole steps apart
+_WHOLE = 0.02  # of a step: an angle of 2^16 counts in 32 bits is rounded by half a hundredth
+_MOST = 0.9  # share of the samples that are whole steps apart
 _EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
 _FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
 _MOST_COUNTS = 16  # between samples, that are looked for
@@ -83,7 +84,7 @@ def _step_of(values: NDArray[np.float64]) -> float:
     if len(values) < _FEWEST_VALUES or (
         len(near) >= _FEWEST_VALUES and float(np.max(np.abs(near - np.round(near)))) < _PART_OF_STEP
     ):
-        return step
+        return _over_distances(values, step)
     if (of_decimals := _decimal_step(values)) > 0.0:
         return of_decimals
     largest = float(np.max(np.abs(values)))
@@ -94,6 +95,25 @@ def _step_of(values: NDArray[np.float64]) -> float:
     with np.errstate(over="ignore", under="ignore"):
         is_32_bit = np.array_equal(values, values.astype(np.float32).astype(np.float64))
     return float(np.spacing(np.float32(largest))) if is_32_bit else 0.0
+
+
+def _over_distances(values: NDArray[np.float64], step: float) -> float:
+    """Return a step of rising values, shape (n,), as the slope of these over their number of steps: the
+    longer the distance, the less their rounding matters, as that of an angle in 32 bits to its counts.
+
+    Where values are not whole numbers of it apart farther away, it is the step so far.
+    """
+    spans, reach = values - values[0], _NEAR * step
+    while True:
+        within = spans[: int(np.searchsorted(spans, reach, side="right"))]
+        number = np.round(within / step)
+        if float(np.max(np.abs(within / step - number))) > _PART_OF_STEP:
+            return step
+        if np.any(number):  # of few values none is so near
+            step = float(number @ within) / float(number @ number)
+        if reach >= spans[-1]:
+            return step
+        reach *= _NEAR
 
 
 def _decimal_step(values: NDArray[np.float64]) -> float:

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from benchtool.analysis import analyze_step
-from benchtool.analysis.quantisation.resolution import counting_step, resolution, step_between
+from benchtool.analysis.quantisation.resolution import (
+    counting_step,
+    resolution,
+    step_between,
+    step_of_counts,
+)
 from benchtool.block import Block
 
 
@@ -77,3 +82,17 @@ def test_values_that_were_computed_have_no_step_but_their_rounding() -> None:
 def test_numbers_of_any_size_have_a_resolution(largest: float) -> None:
     found = resolution(largest * np.sin(np.arange(9.0)))
     assert 0.0 <= found <= largest
+
+
+@pytest.mark.parametrize("counts", [500, 4096, 10_000, 65_536])
+def test_an_encoder_is_told_from_an_angle_in_32_bits(counts: int) -> None:
+    """The least distance of two levels is rounded, and a thousand times that is no level any more."""
+    rows, turn = np.arange(4500), 2.0 * np.pi
+    for begin in (0.003, 2.1, 4.6):
+        theta = begin + 31.42e-4 * rows + 1e-3 * np.sin(2e-3 * rows)
+        read = np.mod(np.floor(theta * counts / turn) * (turn / counts), turn)
+        step = resolution(read.astype(np.float32).astype(np.float64))
+        assert step == pytest.approx(turn / counts, rel=1e-6)
+        assert step_of_counts(np.unwrap(read.astype(np.float32).astype(np.float64)), step) == step
+        computed = np.mod(theta, turn).astype(np.float32).astype(np.float64)
+        assert step_of_counts(np.unwrap(computed), resolution(computed)) == 0.0
