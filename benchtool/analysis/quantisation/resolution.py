@@ -20,7 +20,8 @@ _MOST_PLACES, _OF_A_DIGIT, _LEAST_OF_TEXT = 10, 1e-4, 1e-280
 _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
 _WHOLE = 0.02  # of a step: an angle of 2^16 counts in 32 bits is rounded by half a hundredth
 _MOST = 0.9  # share of the samples that are whole steps apart
-_EQUAL_RAD = 1e-9  # angles in different turns, by their rounding
+_EQUAL_RAD, _EQUAL_32_RAD = 1e-9, 2e-6  # angles in different turns, and their steps, by rounding
+_OF_TURNS_RAD = 1e-11  # what whole turns add to the rounding of an angle
 _FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
 _MOST_COUNTS = 16  # between samples, that are looked for
 
@@ -52,12 +53,13 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     return step if step > max(least, _SUBNORMAL) else 0.0
 
 
-def step_between(values: NDArray[np.float64], levels: float) -> float:
-    """Return the greatest step that rising `values`, shape (n,), are whole numbers of apart; 0 where that is
-    by chance, as of fewer than six values, or as many `levels` are not between the first and the last."""
+def step_between(values: NDArray[np.float64], levels: float, rounding: float = 0.0) -> float:
+    """Return the greatest step that rising `values`, shape (n,), are whole numbers of apart, but for their
+    `rounding`; 0 where that is by chance, as of fewer than six values, or as many `levels` are not between
+    the first and the last."""
     if len(values) < _FEWEST_VALUES:
         return 0.0
-    span, rounding = float(values[-1] - values[0]), _ROUNDING * float(np.max(np.abs(values)))
+    span, rounding = float(values[-1] - values[0]), max(rounding, _ROUNDING * float(np.max(np.abs(values))))
     step = _divisor(np.diff(values), rounding, max(_COARSE * span, _SUBNORMAL))
     return step if step < span / levels else 0.0
 
@@ -209,7 +211,7 @@ def largest_even_step(angle_rad: NDArray[np.float64]) -> float:
     if not step > 0.0:
         return 0.0
     counts = float(angle_rad[0]) / step * np.arange(1, _MOST_COUNTS + 1)
-    return step if np.min(np.abs(counts - np.round(counts))) * step < _EQUAL_RAD else 0.0
+    return step if np.min(np.abs(counts - np.round(counts))) * step < _equal_rad(angle_rad) else 0.0
 
 
 def _even_step(angle_rad: NDArray[np.float64]) -> tuple[float, float]:
@@ -218,10 +220,21 @@ def _even_step(angle_rad: NDArray[np.float64]) -> tuple[float, float]:
 
     Of a computed angle of constant speed there is none, unless it is back where it was after whole turns.
     """
-    few = _few(angle_rad)
+    few, equal_rad = _few(angle_rad), _equal_rad(angle_rad)
     within = np.sort(np.mod(few - few[0], 2 * np.pi))
-    values = np.append(within[np.diff(within, prepend=-1.0) > _EQUAL_RAD], 2 * np.pi)
+    values = np.append(within[np.diff(within, prepend=-1.0) > equal_rad], 2 * np.pi)
+    values = values[np.diff(values, append=np.inf) > equal_rad]  # the first may be just below a turn
     between = float(np.median(np.abs(np.diff(angle_rad)))) if len(angle_rad) > 1 else 0.0
-    if not between > _EQUAL_RAD or np.ptp(np.diff(angle_rad)) > _EQUAL_RAD:
+    if not between > equal_rad or np.ptp(np.diff(angle_rad)) > equal_rad:
         return 0.0, between
-    return step_between(values, _FEWEST_LEVELS), between
+    return step_between(values, _FEWEST_LEVELS, equal_rad if equal_rad > _EQUAL_RAD else 0.0), between
+
+
+def _equal_rad(angle_rad: NDArray[np.float64]) -> float:
+    """Return by how much equal angles, shape (n,), in different turns differ at most by their rounding: that
+    of 64 bits, or of 32 where within a turn, or within half a turn to either side, they are such numbers."""
+    within = np.mod(_few(angle_rad), 2.0 * np.pi)
+    for each in (within, np.where(within > np.pi, within - 2.0 * np.pi, within)):
+        if np.mean(np.abs(each - each.astype(np.float32)) < _OF_TURNS_RAD) > _MOST:
+            return _EQUAL_32_RAD
+    return _EQUAL_RAD

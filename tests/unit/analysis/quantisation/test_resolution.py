@@ -10,6 +10,7 @@ import pytest
 from benchtool.analysis import analyze_step
 from benchtool.analysis.quantisation.resolution import (
     counting_step,
+    largest_even_step,
     resolution,
     step_between,
     step_of_counts,
@@ -96,3 +97,16 @@ def test_an_encoder_is_told_from_an_angle_in_32_bits(counts: int) -> None:
         assert step_of_counts(np.unwrap(read.astype(np.float32).astype(np.float64)), step) == step
         computed = np.mod(theta, turn).astype(np.float32).astype(np.float64)
         assert step_of_counts(np.unwrap(computed), resolution(computed)) == 0.0
+
+
+@pytest.mark.parametrize("is_32_bit", [False, True])
+def test_an_encoder_that_passes_whole_counts_in_every_row_is_told(is_32_bit: bool) -> None:
+    """Five of ten thousand counts in each row, and two turns of what a computation gives."""
+    turn, rows = 2.0 * np.pi, np.arange(4500)
+    for begin in (0, 3, 9998):
+        read = np.mod(begin + 5 * rows, 10_000) * (turn / 10_000)
+        computed = np.mod(begin + 0.1234 + 5.0017 * rows, 10_000.0) * (turn / 10_000)
+        if is_32_bit:
+            read, computed = (each.astype(np.float32).astype(np.float64) for each in (read, computed))
+        assert largest_even_step(np.unwrap(read)) == pytest.approx(5 * turn / 10_000, rel=1e-6)
+        assert largest_even_step(np.unwrap(computed)) == 0.0
