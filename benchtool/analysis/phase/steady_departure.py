@@ -13,6 +13,7 @@ from benchtool.analysis.distributions import fisher_above, students_deviation
 
 _BY_CHANCE, _DOUBTED = 1e-3, 0.05
 _MOST_DOUBTED_RAD = 0.5  # over the record: noise that hides more leaves no tone whose phase is told
+_MOST_NOISE_RAD = 0.5  # rms, from period to period
 _HIGHEST = 7  # degree of the polynomials that show how a phase moves otherwise
 _FEWEST_PERIODS = 3
 
@@ -34,7 +35,8 @@ def steady_departure(phase_rad: Floats, amplitude: Floats) -> SteadyDeparture:
     The phase in each period and the amplitude, both of shape (periods,), are split into orthogonal
     polynomials. Noise is in all of them, and alike in both (relative to the amplitude); a slip is the line of
     the phase alone. What moves the amplitude alone, as a load, is no reason to doubt the phase. A small rise
-    is doubted where noise alone has as much once in twenty records.
+    is doubted where noise alone has as much once in twenty records. Phases that move to and fro by more than
+    half a radian are those of noise: from one to the next they may have turned either way.
     """
     periods, middle = len(phase_rad), float(np.mean(amplitude))
     if periods < _FEWEST_PERIODS or not middle > 0.0:
@@ -42,6 +44,8 @@ def steady_departure(phase_rad: Floats, amplitude: Floats) -> SteadyDeparture:
     place = (np.arange(periods) + 0.5) / periods * 2.0 - 1.0
     basis, triangle = np.linalg.qr(legendre.legvander(place, min(_HIGHEST, periods - 1)))
     of_phase, of_amplitude = basis.T @ phase_rad, basis.T @ (amplitude / middle)
+    if not float(np.mean(of_phase[2:] ** 2)) < _MOST_NOISE_RAD**2:
+        return SteadyDeparture()
     per_period = 2.0 / periods / float(triangle[1, 1])
     rise_rad = float(of_phase[1]) * per_period
     least = _DOUBTED if abs(rise_rad) * periods < _MOST_DOUBTED_RAD else _BY_CHANCE

@@ -90,3 +90,12 @@ def test_an_exact_angle_does_not_state_a_slip_as_exact(slip: float, wobble_rad: 
         found = _of_a_slip(slip, wobble_rad, noise, seed)
         assert found.uncertainty is not None
         assert abs(found.value - FREQUENCY_Hz) < 2.5 * found.uncertainty.standard
+
+
+def test_noise_without_a_tone_departs_nowhere() -> None:
+    """Phases of noise are put together by the shorter way each, which leads on by chance."""
+    random, departures = np.random.default_rng(3), 0
+    for _ in range(2000):
+        phasor = random.standard_normal(8) + 1j * random.standard_normal(8)
+        departures += steady_departure(np.unwrap(np.angle(phasor)), np.abs(phasor)).rise_rad != 0.0
+    assert departures < 3
