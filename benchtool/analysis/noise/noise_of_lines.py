@@ -21,7 +21,8 @@ _OF_NEAREST, _RISES, _RISES_MOST = 1.3, 2.0, 4.0
 _OF_ONE_PAIR = 3.0  # a distribution of two degrees of freedom has no deviation: 2 u then hold 97 %
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
 _MATTERS = 1e-3  # of an amplitude that moves
-_RISEN, _MORE, _LESS = 1.9, 2.0, 0.25  # times the noise around: by chance one in ten, in twenty, in a hundred
+_FIRST, _RISEN, _MORE = 2.0, 1.9, 2.0  # times the noise around: by chance one in seven, in ten, in twenty
+_LESS = 0.25  # likewise, one in a hundred
 _DOF_OF_MEDIAN = 10.0  # of the median of eight squares; of that of many it is their number
 _FEWEST_AROUND = 9  # periods, of which two orders to both sides hold twenty bins
 
@@ -61,17 +62,30 @@ class NoiseAround:
         counted = np.where(weights != 0.0, weights**2 * self.power, 0.0)
         return replace(self, power=np.atleast_1d(np.sum(counted)))
 
-    def pooled(
-        self, alone: NDArray[np.float64], nearest: NDArray[np.float64], middle: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Return the power by this and by that of eight pairs, of which `middle` and `nearest` are the power,
-        where neither differs by more than chance; where one does, that which these say `alone`; all of shape
-        (lines,)."""
-        alike = (
-            (nearest < _RISEN * self.power) & (middle < _MORE * self.power) & (middle > _LESS * self.power)
+    def is_that_beside(self, power: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether eight pairs beside each line, shape (lines, pairs), differ from it by no more than
+        chance: all of them, those next to the line, and the first."""
+        first, nearest, middle = power[:, 0], np.mean(power[:, :_NEAREST], axis=1), _by_median(power)
+        return np.asarray(
+            (first < _FIRST * self.power)
+            & (nearest < _RISEN * self.power)
+            & (middle < _MORE * self.power)
+            & (middle > _LESS * self.power)
         )
-        both = (_DOF_OF_MEDIAN * middle + self.dof * self.power) / (_DOF_OF_MEDIAN + self.dof)
-        return np.where(alike, both, alone)
+
+    def pooled(self, power: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the power by this and by eight pairs beside each line, shape (lines, pairs)."""
+        return np.asarray(
+            (_DOF_OF_MEDIAN * _by_median(power) + self.dof * self.power) / (_DOF_OF_MEDIAN + self.dof)
+        )
+
+
+@dataclass(frozen=True)
+class NoiseOfPairs:
+    """Standard uncertainty of one component, and its degrees of freedom, both of shape (lines,)."""
+
+    standard: NDArray[np.float64]
+    dof: NDArray[np.float64]
 
 
 def contribution_of_noise(name: str, standard: float, dof: float) -> Contribution:
@@ -99,16 +113,16 @@ def line_noise(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> LineNois
     towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
     above = bins[np.where(inside, upper, 0)] * towards
     below = np.conj(bins[np.where(inside, lower, 0)] * towards)
-    pairs = np.count_nonzero(inside, axis=1).astype(np.float64)
     together, apart = above + below, above - below
     of_amplitude, of_phase = (
         np.sum(np.where(inside, np.abs(each) ** 2, 0.0), axis=1) for each in (together, apart)
     )
     around = noise_around(spectrum, lines)
+    in_phase, quadrature = (noise_of_pairs(each, inside, around) for each in (together, apart))
     return LineNoise(
-        noise_of_pairs(together, inside, around),
-        noise_of_pairs(apart, inside, around),
-        2.0 * np.maximum(pairs, 1.0),
+        in_phase.standard,
+        quadrature.standard,
+        np.minimum(in_phase.dof, quadrature.dof),
         _lost(of_amplitude, of_phase, spectrum.amplitude[lines]),
         of_amplitude > np.maximum(_CLEARLY * of_phase, (_MATTERS * spectrum.amplitude[lines]) ** 2),
     )
@@ -144,7 +158,7 @@ def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
     towards = np.exp(-1j * np.angle(bins[periods]))
     apart = window[periods + offsets] * towards - np.conj(window[periods - offsets] * towards)
     found = noise_of_pairs(apart[np.newaxis, :] / math.sqrt(1.5), np.ones((1, len(offsets)), dtype=np.bool_))
-    return MeanError(float(found[0]), float(len(offsets)))
+    return MeanError(float(found.standard[0]), float(len(offsets)))
 
 
 def _lost(
@@ -163,7 +177,7 @@ def experimental_noise_of_pairs(
     """Return the experimental standard deviation of one component, as `noise_of_pairs` but without what is
     added because it is of few degrees of freedom, two of each pair."""
     of_few = np.array([_of_few(int(each)) for each in np.count_nonzero(inside, axis=1)])
-    return np.asarray(noise_of_pairs(sums, inside) / of_few)
+    return np.asarray(noise_of_pairs(sums, inside).standard / of_few)
 
 
 def _of_few(pairs: int) -> float:
@@ -177,18 +191,19 @@ def noise_of_pairs(
     sums: NDArray[np.complex128],
     inside: NDArray[np.bool_],
     around: NoiseAround | None = None,
-) -> NDArray[np.float64]:
-    """Return the standard uncertainty of one component, shape (orders,), from sums of pairs, shape (orders,
-    pairs), and from the noise `around` them, where it is known."""
+) -> NoiseOfPairs:
+    """Return the noise of one component, from sums of pairs, shape (lines, pairs), and the noise `around`
+    them, where it is known."""
     square, counts = 0.25 * (sums.real**2 + sums.imag**2), np.count_nonzero(inside, axis=1)
-    found = np.full(len(square), np.nan)
+    found, dof = np.full(len(square), np.nan), 2.0 * np.maximum(counts, 1.0)
     for count in np.unique(counts[counts > 0]):
         rows = counts == count
         own = square[rows][inside[rows]].reshape(-1, count)
-        found[rows] = noise_at_lines(
-            own, None if around is None else replace(around, power=around.power[rows])
-        )
-    return np.asarray(np.sqrt(found))
+        beside = None if around is None else replace(around, power=around.power[rows])
+        found[rows] = noise_at_lines(own, beside)
+        if beside is not None and count == PAIRS:
+            dof[rows] = np.where(beside.is_that_beside(own), _DOF_OF_MEDIAN + beside.dof, dof[rows])
+    return NoiseOfPairs(np.sqrt(found), dof)
 
 
 def noise_at_lines(power: NDArray[np.float64], around: NoiseAround | None = None) -> NDArray[np.float64]:
@@ -201,13 +216,19 @@ def noise_at_lines(power: NDArray[np.float64], around: NoiseAround | None = None
     differs from the noise `around` by more than chance, all of it tells that.
     """
     pairs = power.shape[1]
-    middle = np.median(power, axis=1) / median_of_exponentials(pairs)
-    nearest = np.mean(power[:, :_NEAREST], axis=1)
+    middle, nearest = _by_median(power), np.mean(power[:, :_NEAREST], axis=1)
     if pairs < PAIRS:
         larger = nearest if pairs == 1 else np.maximum(nearest, middle)
         return np.asarray(larger * _of_few(pairs) ** 2)
-    beyond = np.median(power[:, _NEAREST:], axis=1) / median_of_exponentials(pairs - _NEAREST)
+    beyond = _by_median(power[:, _NEAREST:])
     rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
     risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)
     alone = np.where(nearest <= middle, middle, risen)
-    return alone if around is None else around.pooled(alone, nearest, middle)
+    if around is None:
+        return alone
+    return np.where(around.is_that_beside(power), around.pooled(power), alone)
+
+
+def _by_median(power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean of exponentially distributed powers, shape (lines, pairs), by their median."""
+    return np.asarray(np.median(power, axis=1) / median_of_exponentials(power.shape[1]))

@@ -50,7 +50,7 @@ def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
     together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
     around = noise_around(spectrum, spectrum.periods * np.arange(1, len(weights) + 1)).of_sum(weights)
     found = noise_of_pairs(together, np.ones_like(together, dtype=np.bool_), around)
-    return MeanError(float(found[0]), 2.0 * pairs)
+    return MeanError(float(found.standard[0]), float(found.dof[0]))
 
 
 def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[np.bool_]:

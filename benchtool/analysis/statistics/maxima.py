@@ -30,6 +30,7 @@ _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the 
 _LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
 _OF_HEAP, _APART = 3, 20.0  # maxima, and widths: of an exponential tail once in two thousand records
 _ALONE, _BELOW = 2, 5  # maxima beyond a heap of so many
+_TIMES_A_PERIOD, _MOST_SAMPLES = 3, 1 << 14  # that a value is taken; of the largest
 _IN_NEXT = 1.0 - math.sqrt(0.5)
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
 
@@ -56,24 +57,48 @@ def scatter_of_largest_maximum(maxima: Floats, least: float = 0.0) -> float:
     return max(least, students_deviation(float(count)) * width * math.sqrt(mean_square))
 
 
-def scatter_of_heap(maxima: Floats) -> float:
+def scatter_of_heap(maxima: Floats, samples: Floats | None = None) -> float:
     """Return the standard deviation of the largest of maxima, shape (n,), over records of as many, where the
     largest of them are a heap, as of a signal that takes few values; 0 where they are none.
 
     Then it is in that heap again, or in one that is as far above it as the next is below: with the
     probability that something of which there was nothing in n is once in n (Jeffreys' prior: Beta
     distribution of 1/2 and n + 1/2), of many 1 - sqrt(1/2). One or two that are beyond a heap come again or
-    not with nearly that probability.
+    not with nearly that probability. Where all of few maxima are in one heap, the `samples`, shape (m,), of
+    which they are the largest, tell how far below it the next is.
     """
     ordered = np.sort(maxima)[::-1]
-    gaps, widths = ordered[_OF_HEAP - 1 : -1] - ordered[_OF_HEAP:], ordered[0] - ordered[_OF_HEAP - 1 : -1]
-    ends = np.flatnonzero(gaps > _APART * widths)
-    apart = float(gaps[ends[0]]) if len(ends) else 0.0
+    _, apart = _top_heap(ordered)
     for alone in range(1, _ALONE + 1):
         heap = ordered[alone : alone + _BELOW]
         if not apart and len(heap) == _BELOW and ordered[alone - 1] - heap[0] > _APART * (heap[0] - heap[-1]):
             apart = float(ordered[0] - heap[0])
+    if not apart and samples is not None:
+        apart = _below_heap(samples, len(maxima))
     return math.sqrt(_IN_NEXT * (1.0 - _IN_NEXT)) * apart
+
+
+def _top_heap(ordered: Floats) -> tuple[int, float]:
+    """Return how many of falling values, shape (n,), are the highest heap, and how far below it the next is;
+    0 where they are none."""
+    gaps, widths = ordered[_OF_HEAP - 1 : -1] - ordered[_OF_HEAP:], ordered[0] - ordered[_OF_HEAP - 1 : -1]
+    ends = np.flatnonzero(gaps > _APART * widths)
+    if not len(ends):
+        return 0, 0.0
+    end = int(ends[np.argmax(gaps[ends])])  # what is alike in a heap may be alike in parts of it, too
+    return end + _OF_HEAP, float(gaps[end])
+
+
+def _below_heap(samples: Floats, periods: int) -> float:
+    """Return how far below the highest heap of samples, shape (n,), the next is; 0 where they are in none.
+
+    One of few values is taken many times in a period, one of a waveform that repeats once or twice.
+    """
+    most = min(len(samples), _MOST_SAMPLES)
+    ordered = np.sort(np.partition(samples, len(samples) - most)[len(samples) - most :])[::-1]
+    count, apart = _top_heap(ordered)
+    below, _ = _top_heap(ordered[count:]) if count else (0, 0.0)
+    return apart if below > _TIMES_A_PERIOD * periods else 0.0
 
 
 def is_no_heavier_than_normal(deviations: Floats) -> bool:

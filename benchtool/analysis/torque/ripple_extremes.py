@@ -129,7 +129,7 @@ def _by_extremes(
         largest, least, of_beat = _in_beat(samples, slow)
     if _grows_throughout(np.add(*whole)):
         return math.nan
-    heaps = [scatter_of_heap(each) for each in whole]
+    heaps = [scatter_of_heap(each, side * samples) for each, side in zip(whole, (1.0, -1.0), strict=True)]
     if any(heaps) and not step > 0.0:
         both = (of_heap or each.scatter(0.0) for of_heap, each in zip(heaps, (largest, least), strict=True))
         return math.hypot(*both)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import math
+
 import numpy as np
 import pytest
 
@@ -101,3 +103,16 @@ def test_values_of_no_heaps_are_none() -> None:
     random = np.random.default_rng(9)
     for draw in (random.standard_normal, random.standard_exponential, random.random):
         assert np.mean([scatter_of_heap(draw(12)) > 0.0 for _ in range(300)]) < 0.01
+
+
+def test_few_maxima_in_one_heap_end_as_far_below_it_as_the_samples_do() -> None:
+    """A torque that takes few values, each rounded, against a waveform that repeats its own."""
+    random = np.random.default_rng(5)
+    levels = 0.01 * np.round(random.normal(0.0, 2.0, 5000)) + 1e-6 * random.standard_normal(5000)
+    levels = np.minimum(levels, 0.04 + 1e-6 * random.standard_normal(5000))
+    maxima = np.sort(levels)[-5:]
+    assert scatter_of_heap(maxima) < 1e-5
+    assert scatter_of_heap(maxima, levels) == pytest.approx(0.01 * math.sqrt(0.293 * 0.707), rel=0.01)
+
+    repeated = np.tile(np.cos(np.linspace(0.0, 6.28, 1000)), 5)
+    assert scatter_of_heap(np.max(repeated.reshape(5, -1), axis=1), repeated) == 0.0
