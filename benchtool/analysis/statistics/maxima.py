@@ -30,6 +30,7 @@ _BY_CHANCE, _LIGHTER = 2.0, -0.3  # standard deviations of a kurtosis; half the 
 _LEAST = float(np.finfo(np.float64).tiny)  # below it are no digits
 _OF_HEAP, _APART = 3, 20.0  # maxima, and widths: of an exponential tail once in two thousand records
 _ALONE, _BELOW = 2, 5  # maxima beyond a heap of so many
+_ROUNDING = 1e-12  # of the largest
 _TIMES_A_PERIOD, _MOST_SAMPLES = 3, 1 << 14  # that a value is taken; of the largest
 _IN_NEXT = 1.0 - math.sqrt(0.5)
 _FAR = 6.0  # times the median of the magnitudes: four standard deviations of normal values
@@ -92,12 +93,15 @@ def _top_heap(ordered: Floats) -> tuple[int, float]:
 def _below_heap(samples: Floats, periods: int) -> float:
     """Return how far below the highest heap of samples, shape (n,), the next is; 0 where they are in none.
 
-    One of few values is taken many times in a period, one of a waveform that repeats once or twice.
+    One of few values is taken many times in a period, one of a waveform that repeats once or twice, or, of
+    as many crests, without any noise.
     """
     most = min(len(samples), _MOST_SAMPLES)
     ordered = np.sort(np.partition(samples, len(samples) - most)[len(samples) - most :])[::-1]
     count, apart = _top_heap(ordered)
-    below, _ = _top_heap(ordered[count:]) if count else (0, 0.0)
+    if not count or not ordered[0] - ordered[count - 1] > _ROUNDING * float(np.max(np.abs(ordered))):
+        return 0.0
+    below, _ = _top_heap(ordered[count:])
     return apart if below > _TIMES_A_PERIOD * periods else 0.0
 
 
