@@ -21,6 +21,7 @@ _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one 
 _WHOLE = 0.02  # of a step: an angle of 2^16 counts in 32 bits is rounded by half a hundredth
 _MOST = 0.9  # share of the samples that are whole steps apart
 _EQUAL_RAD, _EQUAL_32_RAD = 1e-9, 2e-6  # angles in different turns, and their steps, by rounding
+_MOST_STEPS = float(1 << 32)  # of a converter
 _OF_TURNS_RAD = 1e-11  # what whole turns add to the rounding of an angle
 _FEWEST_LEVELS, _FEWEST_COUNTS = 4.0, 1.5  # in a turn; between samples
 _MOST_COUNTS = 16  # between samples, that are looked for
@@ -105,16 +106,18 @@ def _over_distances(values: NDArray[np.float64], step: float) -> float:
 
     Where values are not whole numbers of it apart farther away, it is the step so far.
     """
-    spans, reach = values - values[0], _NEAR * step
+    spans = (values - values[0]) / step
+    spans = spans[spans < _MOST_STEPS]
+    slope, reach = 1.0, _NEAR
     while True:
-        within = spans[: int(np.searchsorted(spans, reach, side="right"))]
-        number = np.round(within / step)
-        if float(np.max(np.abs(within / step - number))) > _PART_OF_STEP:
-            return step
+        within = spans[: int(np.searchsorted(spans, reach, side="right"))] / slope
+        number = np.round(within)
+        if float(np.max(np.abs(within - number))) > _PART_OF_STEP:
+            return step * slope
         if np.any(number):  # of few values none is so near
-            step = float(number @ within) / float(number @ number)
+            slope *= float(number @ within) / float(number @ number)
         if reach >= spans[-1]:
-            return step
+            return step * slope
         reach *= _NEAR
 
 
