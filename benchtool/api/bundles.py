@@ -15,6 +15,7 @@ from benchtool.notebook import table_html
 if TYPE_CHECKING:
     from benchtool.profile import Profile
     from benchtool.recording import Bundle as Files, Event, Manifest
+    from benchtool.report import Report
 
 _FIRST = ("capture", "telemetry")
 
@@ -174,22 +175,37 @@ def write_report(
     """Measure a recorded run again and write a report that needs nothing else to be read; its HTML page.
 
     Args:
-        run: a bundle, what `run` gave, or the folder of a run of several cases or plans.
+        run: a bundle, what `run` gave, or the folder of a run of several cases or plans, of a commissioning
+            or of an acceptance session.
         out: the page; `report.html` in the folder of the run without it.
         pdf: write a PDF too, beside the page.
 
     Raises:
         RecordingError: the run cannot be read, or the page cannot be written.
     """
-    from benchtool.recording import enlist
-    from benchtool.report import write_report as write
-    from benchtool.report.assembly import run_report
-    from benchtool.results import recorded_runs
+    from benchtool.recording import enlist, require_unchanged
+    from benchtool.report import report_files, write_report as write
 
     folder = folder_of(run)
     page = folder / "report.html" if out is None else Path(out)
     if page.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"{page} names a PDF, the page is HTML: add pdf=True, or name the page")
-    page, document = write(run_report(folder, recorded_runs(folder)), page, pdf=pdf)
+    files = report_files(page, pdf=pdf)
+    require_unchanged(folder, files if pdf else files[:1])
+    page, document = write(_report_of(folder), page, pdf=pdf)
     enlist(folder, [page] if document is None else [page, document])
     return page
+
+
+def _report_of(folder: Path) -> Report:
+    """Return the report of what a folder holds: a commissioning, an acceptance session, or runs."""
+    from benchtool.commission import read_commissioning
+    from benchtool.report.assembly import commissioning_report, run_report, session_report
+    from benchtool.results import SESSION, earlier_sessions, read_session, recorded_runs
+
+    if (folder / SESSION).is_file():
+        record = read_session(folder)
+        return session_report(folder, record, earlier_sessions(folder, record))
+    if (commissioning := read_commissioning(folder)) is not None:
+        return commissioning_report(commissioning.document, commissioning.bundles)
+    return run_report(folder, recorded_runs(folder))

@@ -23,6 +23,7 @@ from benchtool.bench import Session, open_session
 from benchtool.cli import live_views, options
 from benchtool.cli.output import Output
 from benchtool.commission import (
+    DOCUMENT,
     Commissioning,
     Known,
     Step,
@@ -41,13 +42,13 @@ from benchtool.commission import (
 from benchtool.drive import Capability, Identity
 from benchtool.errors import DriveError, LinkError, RecordingError, UsageError
 from benchtool.profile import eds_path, load_profile, profile_path
-from benchtool.recording import Conditions, Manifest, enlist, write_whole
+from benchtool.recording import Conditions, Manifest, enlist, require_unchanged, write_whole
 from benchtool.report import write_report
 from benchtool.report.assembly import commissioning_report
 from benchtool.run import bundle_folder, manifest_of
 from benchtool.telemetry import DEFAULT_CHANNELS, DEFAULT_RATE_HZ, TelemetryStream, keep_journal
 
-_PROFILE, _DOCUMENT, _REPORT = "profile.toml", "commissioning.json", "report.html"
+_PROFILE, _REPORT = "profile.toml", "report.html"
 
 
 def commission(
@@ -116,6 +117,8 @@ def commission(
         raise UsageError("--resume goes on in its own folder: leave --out out")
     if resume is not None and not resume.is_dir():
         raise UsageError(f"--resume {resume}: there is no such folder; give that of a commissioning")
+    if resume is not None:
+        require_unchanged(resume, [resume / _REPORT])
     if out is not None and not dry_run and step_bundles(out):
         raise UsageError(f"--out {out} holds a commissioning: name another folder, or --resume {out}")
     travel_rad = _travel_rad(travel)
@@ -287,7 +290,7 @@ def _written(folder: Path, profile: str, done: Commissioning, *, pdf: bool) -> d
     """Write profile, report and document beside the recording, with their hashes; return the document."""
     source = profile_path(profile)
     text = source.read_text(encoding="utf-8")
-    made = [folder / _PROFILE, folder / _DOCUMENT]
+    made = [folder / _PROFILE, folder / DOCUMENT]
     new = commissioned_profile(text, done.parameters, done.estimates, saved=done.saved)
     write_whole(made[0], new.encode("utf-8"))
     eds = eds_path(load_profile(profile), source)

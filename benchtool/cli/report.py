@@ -9,11 +9,18 @@ import typer
 
 from benchtool.cli import options, selection as chosen
 from benchtool.cli.output import Output, warn_incomplete, warn_overdue, warn_unsealed
+from benchtool.commission import KeptCommissioning, read_commissioning
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
-from benchtool.recording import enlist
+from benchtool.recording import enlist, require_unchanged
 from benchtool.report import Report, report_files, write_report as write_documents
-from benchtool.report.assembly import case_label, run_report, session_report, write_pictures
+from benchtool.report.assembly import (
+    case_label,
+    commissioning_report,
+    run_report,
+    session_report,
+    write_pictures,
+)
 from benchtool.results import (
     SESSION,
     earlier_sessions,
@@ -22,8 +29,6 @@ from benchtool.results import (
     recorded_runs,
     stated_overdue,
 )
-
-_HISTORY = 10
 
 
 def report(
@@ -51,15 +56,22 @@ def report(
     if out is not None and out.suffix.lower() == ".pdf" and not pdf:
         raise UsageError(f"--out {out} names a PDF, the page is HTML: add --pdf, or name the page")
     output = Output(as_json=as_json)
-    if (run / SESSION).is_file():
-        if png:
+    files = report_files(out or run / "report.html", pdf=pdf)  # before anything is measured
+    require_unchanged(run, files if pdf else files[:1])
+    selection = chosen.selection(stream, from_, to, analysis)
+    is_session = (run / SESSION).is_file()
+    commissioning = None if is_session else read_commissioning(run)
+    if is_session or commissioning is not None:
+        if png or not selection.everything:
+            what, parts = ("an acceptance session", "runs") if is_session else ("a commissioning", "steps")
             raise UsageError(
-                f"{run} is a session of acceptance, whose figures are those of its runs: "
-                f"give the folder of one of these with --png"
+                f"{run} is {what}, whose numbers and figures are those of its {parts}: with --png, --stream, "
+                f"--from, --to or --analysis give the folder of one of these"
             )
+        if commissioning is not None:
+            return _commissioning(run, commissioning, out, pdf=pdf, output=output)
         return _session(run, out, pdf=pdf, output=output)
-    report_files(out or run / "report.html", pdf=pdf)  # before anything is measured
-    runs = recorded_runs(run, chosen.selection(stream, from_, to, analysis))
+    runs = recorded_runs(run, selection)
     warn_unsealed(output, [case.bundle for each in runs for case in each.cases])
     page, document = write_report(run_report(run, runs), out or run / "report.html", pdf=pdf, output=output)
     enlist(run, [page] if document is None else [page, document])
@@ -99,19 +111,35 @@ def report(
 def _session(folder: Path, out: Path | None, *, pdf: bool, output: Output) -> int:
     """Write the report of an acceptance session again."""
     record = read_session(folder)
-    report = session_report(folder, record, earlier_sessions(folder, record, _HISTORY))
+    report = session_report(folder, record, earlier_sessions(folder, record))
+    _written(folder, report, out, str(record.verdict), pdf=pdf, output=output)
+    return 0 if record.verdict.met else 1
+
+
+def _commissioning(
+    folder: Path, kept: KeptCommissioning, out: Path | None, *, pdf: bool, output: Output
+) -> int:
+    """Write the report of a commissioning again."""
+    report = commissioning_report(kept.document, kept.bundles)
+    _written(folder, report, out, kept.document["verdict"], pdf=pdf, output=output)
+    return 0 if kept.passed else 1
+
+
+def _written(
+    folder: Path, report: Report, out: Path | None, verdict: str, *, pdf: bool, output: Output
+) -> None:
+    """Write a report that a folder has of all its bundles, and tell of it."""
     page, document = write_report(report, out or folder / "report.html", pdf=pdf, output=output)
     enlist(folder, [page] if document is None else [page, document])
-    output.verdict(str(record.verdict))
+    output.verdict(verdict)
     output.document(
         {
             "report": str(page),
             "pdf": None if document is None else str(document),
-            "verdict": str(record.verdict),
+            "verdict": verdict,
             "cases": {},
         }
     )
-    return 0 if record.verdict.met else 1
 
 
 def write_report(report: Report, page: Path, *, pdf: bool, output: Output) -> tuple[Path, Path | None]:

@@ -6,6 +6,11 @@ from .execution import (
     stated_parameters as stated_parameters,
     steps_for as steps_for,
 )
+from .kept import (
+    DOCUMENT as DOCUMENT,
+    KeptCommissioning as KeptCommissioning,
+    read_commissioning as read_commissioning,
+)
 from .known import Known as Known
 from .planned_energy import (
     PlannedEnergy as PlannedEnergy,

@@ -28,6 +28,8 @@ from .integrity import (
     Integrity as Integrity,
     bundles_in as bundles_in,
     enlist as enlist,
+    require_listed as require_listed,
+    require_unchanged as require_unchanged,
     verify as verify,
 )
 from .manifest import (

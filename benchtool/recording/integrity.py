@@ -25,6 +25,10 @@ from benchtool.recording.stream_file import DATA, FINISHED, RUNNING
 HASHES: Final = "hashes.json"
 _MISSING: Final = "No such file"
 _DIFFERS: Final = "its SHA-256 differs from that of the recorded file"
+_BEFORE_ANOTHER: Final = (
+    "new hashes would hide that, so nothing is written; restore it from a copy, move it away, or write "
+    "elsewhere"
+)
 _OWN: Final = (MANIFEST, HASHES, CHECKPOINTS.as_posix())
 
 
@@ -121,15 +125,43 @@ def check_bundle(directory: Path, manifest: Manifest, sealed: bool) -> Integrity
     return Integrity(True, damaged, others, compared=len(manifest.files) + 1)
 
 
+def require_unchanged(folder: Path, paths: Iterable[Path]) -> None:
+    """Require, before files are made in a folder, that those made there earlier are as they were written: new
+    hashes would hide that one was changed. Files outside the folder are ignored, those taken away may be made
+    again.
+
+    Raises:
+        RecordingError: one was changed, or the hashes cannot be read.
+    """
+    if _inside(folder, paths):
+        _require_fitting(folder, _hashes(folder))
+
+
+def require_listed(folder: Path, name: str) -> None:
+    """Require that a file made of a recording is the one that was written, before it is read.
+
+    Raises:
+        RecordingError: it was changed, it has no hash, or the hashes cannot be read.
+    """
+    hashes = _hashes(folder)
+    if name not in hashes:
+        raise RecordingError(
+            f"{folder / name} has no hash in {HASHES}, so that it cannot be told from another: restore both "
+            f"from a copy"
+        )
+    _require_fitting(folder, {name: hashes[name]}, "restore it from a copy")
+
+
 def enlist(folder: Path, paths: Iterable[Path]) -> None:
     """Store the hashes of files made of a recording in its folder; other files are ignored.
 
     Raises:
-        RecordingError: a file cannot be read, or the hashes cannot be read or written.
+        RecordingError: a file cannot be read, the hashes cannot be read or written, or another file does not
+            fit its hash.
     """
-    inside = [path.resolve() for path in paths if path.resolve().is_relative_to(folder.resolve())]
-    files = {path.relative_to(folder.resolve()).as_posix(): hash_of(path) for path in inside}
+    files = {name: hash_of(path) for name, path in _inside(folder, paths).items()}
     if files:
+        _require_fitting(folder, {name: each for name, each in _hashes(folder).items() if name not in files})
         document = _Hashes(files=_hashes(folder) | files).model_dump()
         write_json(folder / HASHES, document, sealed=True)
 
@@ -178,6 +210,19 @@ def _check_running(directory: Path) -> Integrity:
     return Integrity(True, damaged, tuple(names), extents, len(states))
 
 
+def _inside(folder: Path, paths: Iterable[Path]) -> dict[str, Path]:
+    """Return the paths within a folder by their names in it."""
+    root = folder.resolve()
+    inside = (path.resolve() for path in paths if path.resolve().is_relative_to(root))
+    return {path.relative_to(root).as_posix(): path for path in inside}
+
+
+def _require_fitting(folder: Path, files: Mapping[str, FileHash], remedy: str = _BEFORE_ANOTHER) -> None:
+    there = {name: each for name, each in files.items() if (folder / name).exists()}
+    for name, reason in _differing(folder, there):
+        raise RecordingError(f"{folder / name} was changed after it was written ({reason}): {remedy}")
+
+
 def _was_replaced(directory: Path, name: str, states: Mapping[str, object]) -> bool:
     """Return whether the process ended between two steps of finishing, when a stream exists in two forms."""
     path = directory / name
@@ -210,7 +255,8 @@ def _hashes(folder: Path) -> dict[str, FileHash]:
         fits = False
     if not fits:
         raise RecordingError(
-            f"{path} does not fit its seal, it was damaged or changed: write the report again"
+            f"{path} does not fit its seal, it was damaged or changed: restore it from a copy, or "
+            f"move it away and write the report again"
         )
     return hashes.files
 

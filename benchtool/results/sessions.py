@@ -250,7 +250,7 @@ def read_session(folder: Path) -> SessionRecord:
         ) from None
 
 
-def earlier_sessions(folder: Path, record: SessionRecord, most: int) -> tuple[SessionRecord, ...]:
+def earlier_sessions(folder: Path, record: SessionRecord, most: int = 10) -> tuple[SessionRecord, ...]:
     """Return the last sessions beside `folder` of the same profile, drive and kind of link, oldest first;
     damaged ones are left out."""
     if not folder.parent.is_dir():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shutil
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+import benchtool
 from benchtool.analysis import analyze_response
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
@@ -291,3 +293,47 @@ def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_g
     cut = CliRunner().invoke(app, [*command, "--resume", folder])
     assert cut.exit_code == 130
     assert "2 steps are done: go on with --resume" in cut.output
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_the_report_of_a_commissioning_is_written_again_from_what_it_holds(
+    boxed: str, tmp_path: Path
+) -> None:
+    runner, folder = CliRunner(), tmp_path / "a"
+    asked = ["commission", "offsets", "--profile", boxed, "--yes", "--out", str(folder)]
+    assert runner.invoke(app, asked).exit_code == 0
+    report, document = folder / "report.html", folder / "commissioning.json"
+    signed, stated, hashes = (path.read_bytes() for path in (report, document, folder / "hashes.json"))
+    again = runner.invoke(app, ["report", str(folder), "--json"])
+    assert (again.exit_code, json.loads(again.stdout)["verdict"]) == (0, "pass"), again.output
+    assert report.read_bytes() == signed
+    benchtool.write_report(folder)
+    assert report.read_bytes() == signed
+    assert (folder / "hashes.json").read_bytes() == hashes
+    pictures = runner.invoke(app, ["report", str(folder), "--png"])
+    assert pictures.exit_code == 2
+    assert "a commissioning" in pictures.stderr
+
+    report.write_bytes(signed.replace(b"Commissioning of", b"commissioning of"))
+    changed = report.read_bytes()
+    blessing = runner.invoke(app, ["report", str(folder)])
+    assert blessing.exit_code == 3
+    assert "report.html was changed after it was written" in " ".join(blessing.stderr.split())
+    assert (report.read_bytes(), (folder / "hashes.json").read_bytes()) == (changed, hashes)
+    resumed = runner.invoke(app, [*asked[:-2], "--resume", str(folder)])
+    assert (resumed.exit_code, report.read_bytes()) == (3, changed)
+
+    elsewhere = ["report", str(folder), "--out", str(tmp_path / "other.html")]
+    assert runner.invoke(app, elsewhere).exit_code == 0
+    assert (tmp_path / "other.html").read_bytes() == signed
+    document.write_bytes(stated.replace(b'"pass"', b'"fail"', 1))
+    assert runner.invoke(app, elsewhere).exit_code == 3
+    document.unlink()
+    cut = runner.invoke(app, elsewhere)
+    assert cut.exit_code == 2
+    assert "commission --resume" in cut.stderr
+    document.write_bytes(stated)
+    shutil.rmtree(folder / "offsets")
+    without = runner.invoke(app, elsewhere)
+    assert without.exit_code == 3
+    assert "offsets is missing" in " ".join(without.stderr.split())

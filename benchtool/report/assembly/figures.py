@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from benchtool.analysis import Panel, catalogue, raw
 from benchtool.plan import Plan
-from benchtool.recording import enlist
+from benchtool.recording import enlist, require_unchanged
 from benchtool.report.assembly.recording import plan_of
 from benchtool.report.assembly.trends import trend_names, trend_of
 from benchtool.report.figures.drawings import draw_of_case, draw_side_by_side
@@ -45,6 +45,7 @@ def write_pictures(run: RecordedRun) -> tuple[Path, ...]:
 
 
 def _written(folder: Path, figures: Mapping[str, Figure]) -> tuple[Path, ...]:
+    require_unchanged(folder, [folder / _PLOTS])
     paths = save_figures(figures, folder / _PLOTS)
     enlist(folder, paths)
     return paths

@@ -14,7 +14,17 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from benchtool.block import Block, Channel
 from benchtool.errors import RecordingError
-from benchtool.recording import Bundle, BundleWriter, Event, EventFile, Manifest, enlist, verify
+from benchtool.recording import (
+    Bundle,
+    BundleWriter,
+    Event,
+    EventFile,
+    Manifest,
+    enlist,
+    require_listed,
+    require_unchanged,
+    verify,
+)
 from benchtool.recording.manifest import write_manifest
 from benchtool.recording.seal import write_json
 
@@ -226,3 +236,32 @@ def test_what_was_made_of_several_bundles_has_hashes_of_its_own(tmp_path: Path) 
         path.write_bytes(whole)
     with pytest.raises(RecordingError, match="holds no run bundle"):
         verify(plot.parent)
+
+
+def test_hashes_of_new_files_never_hide_that_another_was_changed(tmp_path: Path) -> None:
+    page, picture = tmp_path / "report.html", tmp_path / "plots" / "waveforms.png"
+    _finished(tmp_path)
+    require_unchanged(tmp_path, [page])
+    picture.write_bytes(b"cropped")
+    stored = (tmp_path / "hashes.json").read_bytes()
+    with pytest.raises(RecordingError, match=r"waveforms\.png was changed .*SHA-256 differs"):
+        require_unchanged(tmp_path, [page])
+    require_unchanged(tmp_path, [tmp_path.parent / "elsewhere.html"])
+    page.write_bytes(b"another page")
+    with pytest.raises(RecordingError, match="restore it from a copy, move it away"):
+        enlist(tmp_path, [page])
+    assert (tmp_path / "hashes.json").read_bytes() == stored
+    picture.unlink()
+    enlist(tmp_path, [page])
+    assert list(verify(tmp_path).damaged) == ["plots/waveforms.png"]
+
+
+def test_a_file_is_read_as_it_was_written_or_not_at_all(tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    _finished(tmp_path)
+    require_listed(tmp_path, page.name)
+    page.write_bytes(b"another page")
+    with pytest.raises(RecordingError, match=r"report\.html was changed after it was written"):
+        require_listed(tmp_path, page.name)
+    with pytest.raises(RecordingError, match=r"remarks\.txt has no hash"):
+        require_listed(tmp_path, "remarks.txt")
