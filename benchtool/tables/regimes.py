@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 _PARTS, _FINE_PARTS = 64, 256
-_FEWEST_PER_PART = 8
+_FEWEST_PER_PART, _FEWEST_PARTS = 8, 8
+_FEWEST_PERIODS = 16  # of fewer parts a decay has two levels
+_OF_A_REPETITION = 0.1  # of the variance in a line: harmonics of a few steps have less
+_AROUND, _OF_A_LINE = 8, 100.0  # bins; times their power: steps, pulses and noise have no lines
+_MOST_LOOKED_AT = 1 << 14  # means of rows, for the period
 _EXPLAINED = 0.88  # of the variance over parts by two levels: a line has 0.75, a sine 0.81, noise 0.64
 _LARGEST_CHANGE = 0.1  # of the greatest value
 _MOST_STRETCHES, _LEAST_SHARE = 6, 0.015
@@ -32,8 +36,17 @@ def regimes(samples: NDArray[np.float64], unit: str) -> Regimes | None:
     """Return the levels, of the mean or else of the rms deviation, that parts of a record, shape (n,), have;
     None where it has one, drifts or swings."""
     greatest = float(np.max(np.abs(samples)))
-    for measured, of in ((np.mean, "average"), (np.std, "have an rms deviation of")):
-        values, fine = (_of_parts(measured, samples, most) for most in (_PARTS, _FINE_PARTS))
+    if not greatest > 0.0:
+        return None
+    scaled = samples / greatest
+    middle = float(np.mean(scaled))
+    scaled -= middle
+    sums = _sums(scaled), _sums(scaled**2)
+    period = _period(scaled)
+    parts = [_of_parts(*sums, _width(len(samples), most, period)) for most in (_PARTS, _FINE_PARTS)]
+    averages = [greatest * (middle + average) for average, _ in parts]
+    deviations = [greatest * deviation for _, deviation in parts]
+    for (values, fine), of in ((averages, "average"), (deviations, "have an rms deviation of")):
         for each in (values, fine):
             if len(each) and (found := _stretches(each, greatest, unit, of)):
                 return found
@@ -42,17 +55,53 @@ def regimes(samples: NDArray[np.float64], unit: str) -> Regimes | None:
     return None
 
 
+def _sums(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the sum of the values before each, and of all."""
+    return np.concatenate([[0.0], np.cumsum(values)])
+
+
+def _period(samples: NDArray[np.float64]) -> float | None:
+    """Return the rows of a period of the largest sinusoid of a record without its mean; None of one that does
+    not repeat, or has too few periods."""
+    rows = len(samples) // _MOST_LOOKED_AT + 1  # periods that are much shorter than a part do not beat
+    means = samples[: len(samples) // rows * rows].reshape(-1, rows).mean(axis=1)
+    power = np.abs(np.fft.rfft(np.hanning(len(means)) * means)) ** 2
+    if len(power) < 2 * _FEWEST_PERIODS:
+        return None
+    line = _FEWEST_PERIODS + int(np.argmax(power[_FEWEST_PERIODS:-3]))
+    of_line = float(np.sum(power[line - 2 : line + 3]))
+    around = float(np.median([*power[line - _AROUND : line - 2], *power[line + 3 : line + _AROUND + 1]]))
+    if not of_line > max(_OF_A_REPETITION * float(np.sum(power)), _OF_A_LINE * around):
+        return None
+    before, at, after = np.sqrt(power[line - 1 : line + 2])
+    # of a Hann window the greater neighbour tells how far beside the bin the line is
+    beside = (2.0 * after - at) / (at + after) if after > before else (at - 2.0 * before) / (at + before)
+    return float(rows * len(means) / (line + beside))
+
+
+def _width(rows: int, most: int, period: float | None) -> float:
+    """Return the rows of each of up to so many parts; in whole periods, as others would beat with them."""
+    least = rows / max(min(most, rows // _FEWEST_PER_PART), 1)
+    return least if period is None else math.ceil(least / period) * period
+
+
 def _of_parts(
-    measured: Callable[..., NDArray[np.float64]], samples: NDArray[np.float64], most: int
-) -> NDArray[np.float64]:
-    """Return what is measured of each of up to so many parts of samples, shape (n,); of too few none."""
-    count = min(most, len(samples) // _FEWEST_PER_PART)
-    if count < _FEWEST_PER_PART:
-        return np.empty(0)
-    rows, longer = divmod(len(samples), count)  # the first parts have a row more
-    split = longer * (rows + 1)
-    both = samples[:split].reshape(longer, rows + 1), samples[split:].reshape(-1, rows)
-    return np.concatenate([measured(each, axis=1) for each in both])
+    sums: NDArray[np.float64], of_squares: NDArray[np.float64], width: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return average and rms deviation of each part of so many rows; of too few parts none. A row that an
+    edge divides counts on either side by its share."""
+    rows = len(sums) - 1
+    count = int(rows / width + _ROUNDING)
+    if count < _FEWEST_PARTS:
+        return np.empty(0), np.empty(0)
+    edges = np.minimum(width * np.arange(count + 1), rows)
+    row = np.minimum(edges.astype(np.int64), rows - 1)
+
+    def averages(of: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.diff(of[row] + (edges - row) * (of[row + 1] - of[row])) / width
+
+    average = averages(sums)
+    return average, np.sqrt(np.maximum(averages(of_squares) - average**2, 0.0))
 
 
 def _stretches(values: NDArray[np.float64], greatest: float, unit: str, of: str) -> Regimes | None:

@@ -47,6 +47,27 @@ def test_drifts_and_swings_have_none(values: Array, rms: float, seed: int) -> No
     assert regimes(noisy(values.astype(np.float64), seed, rms), "Nm") is None
 
 
+@pytest.mark.parametrize("periods", [16.0, 24.0, 40.0, 48.0, 80.0, 95.97])
+@pytest.mark.parametrize("mean", [0.0, 8.0])
+def test_whole_periods_do_not_beat_with_the_parts(periods: float, mean: float) -> None:
+    share = np.arange(round(periods) * 100) / (round(periods) * 100)
+    for seed, phase in enumerate(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)):
+        values = mean + 10.0 * np.sin(2.0 * np.pi * periods * share + phase)
+        assert regimes(noisy(values, seed, 0.02), "A") is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("periods", [17.3, 40.0, 80.0, 400.0])
+def test_amplitudes_and_means_of_an_alternating_current_have_their_levels(periods: float, seed: int) -> None:
+    levels = np.where(SHARE < 0.4, 1.0, 2.0)
+    sine = np.sin(2.0 * np.pi * periods * SHARE + seed)
+    for values, of in ((levels * sine, "rms deviation"), (levels + 0.5 * sine, "average")):
+        found = regimes(noisy(values, seed), "A")
+        assert found is not None
+        assert found.levels == 2
+        assert of in found.text
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_spikes_are_no_regime(seed: int) -> None:
     spikes = 5.0 * (np.random.default_rng(seed + 50).random(5_000) < 5e-4)
