@@ -98,7 +98,7 @@ def _of_parts(
     row = np.minimum(edges.astype(np.int64), rows - 1)
 
     def averages(of: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.diff(of[row] + (edges - row) * (of[row + 1] - of[row])) / width
+        return np.asarray(np.diff(of[row] + (edges - row) * (of[row + 1] - of[row])) / width)
 
     average = averages(sums)
     return average, np.sqrt(np.maximum(averages(of_squares) - average**2, 0.0))

@@ -106,8 +106,8 @@ def _over_distances(values: NDArray[np.float64], step: float) -> float:
 
     Where values are not whole numbers of it apart farther away, it is the step so far.
     """
-    spans = (values - values[0]) / step
-    spans = spans[spans < _MOST_STEPS]
+    spans = values - values[0]
+    spans = spans[spans < _MOST_STEPS * step] / step
     slope, reach = 1.0, _NEAR
     while True:
         within = spans[: int(np.searchsorted(spans, reach, side="right"))] / slope

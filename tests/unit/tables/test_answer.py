@@ -43,6 +43,11 @@ def answer_or_error(path: Path) -> None:
 @example(rows=[(0.0, 9e37, -9e37, 9e37, 1.0), (1.0, -9e37, 9e37, -9e37, 2.0)], repeat=6, stamps="even")
 @example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 0.0)], repeat=4, stamps="even")
 @example(rows=[(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0, 2e-298)], repeat=4, stamps="even")
+@example(
+    rows=[(0.0,) * 5, (0.0,) * 5, (0.0, 0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 2e-309, 0.0, 0.0)],
+    repeat=1,
+    stamps="even",
+)
 @settings(
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],

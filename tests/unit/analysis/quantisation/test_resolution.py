@@ -110,3 +110,8 @@ def test_an_encoder_that_passes_whole_counts_in_every_row_is_told(is_32_bit: boo
             read, computed = (each.astype(np.float32).astype(np.float64) for each in (read, computed))
         assert largest_even_step(np.unwrap(read)) == pytest.approx(5 * turn / 10_000, rel=1e-6)
         assert largest_even_step(np.unwrap(computed)) == 0.0
+
+
+def test_a_distance_that_rounds_by_more_than_a_step_is_no_number_of_them() -> None:
+    for least in (2.225073858507203e-309, 1e-200, 1e-20):
+        assert resolution(np.array([0.0, 1.0, least])) == least
