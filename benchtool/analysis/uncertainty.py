@@ -155,6 +155,11 @@ class Uncertainty:
             return self.expanded / self.standard
         return coverage_factor(self.dof)
 
+    def half_width_of(self, coverage: float) -> float:
+        """Return half of the interval that covers the true value with another probability than 95 %: of
+        Student's distribution with these degrees of freedom, as wide as the expanded uncertainty says."""
+        return self.expanded * coverage_factor(self.dof, coverage) / coverage_factor(self.dof)
+
     def probability_within(self, least: float, greatest: float) -> float:
         """Return the probability that the true value less the result lies from `least` to `greatest`: of a
         normal distribution, of Student's with finite degrees of freedom, as wide as the expanded uncertainty
@@ -356,10 +361,10 @@ def _effective(square: float, fourth: float) -> float:
     return float(f"{square**2 / fourth:.7g}") if fourth * _MANY > square**2 else math.inf
 
 
-def coverage_factor(dof: float) -> float:
-    """Return the k of 95 %: the two-sided quantile of Student's distribution (JCGM 100:2008, G.3.2), 1.96 for
-    many."""
-    return student_quantile(max(1.0, min(float(dof), 1e12)), 0.5 + 0.5 * COVERAGE)
+def coverage_factor(dof: float, coverage: float = COVERAGE) -> float:
+    """Return the k of a coverage probability, 95 % unless told: the two-sided quantile of Student's
+    distribution (JCGM 100:2008, G.3.2), 1.96 for many."""
+    return student_quantile(max(1.0, min(float(dof), 1e12)), 0.5 + 0.5 * coverage)
 
 
 def _finite(value: float) -> float | None:

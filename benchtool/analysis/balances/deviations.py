@@ -1,8 +1,9 @@
 """What is wrong with parameters that are believed: where estimates contradict them, and by how much.
 
-An estimate contradicts a belief where it differs by more than three standard uncertainties and by more than
-the tolerance of commissioning: what is less is not worth a change. Where several resistances and inductances
-are off by one factor, it is a gain of the sensors that explains them, not the machine.
+An estimate contradicts a belief where it differs by more than its uncertainty makes likely (three standard
+uncertainties, with few degrees of freedom as many as Student's distribution asks for) and by more than the
+tolerance of commissioning: what is less is not worth a change. Where several resistances and inductances are
+off by one factor, it is a gain of the sensors that explains them, not the machine.
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from benchtool.analysis.distributions import normal_below
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.numbers import with_expanded
+from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.profile import Motor
 
 SURE: Final = 3.0
-"""Standard uncertainties by which an estimate contradicts a belief."""
+"""Standard uncertainties, of many degrees of freedom, by which an estimate contradicts a belief."""
 
+_SURELY: Final = 1.0 - 2.0 * normal_below(-SURE)  # probability
 _RELATIVE: Final[Mapping[str, float]] = {"R_s": 0.05, "L_d": 0.03, "L_q": 0.03, "psi_r": 0.01, "J": 0.05}
 _OFFSET_RAD, _OF_LINK, _GAIN, _OF_RATED = math.radians(1.0), 2e-3, 5e-3, 5e-3
 
@@ -53,9 +57,7 @@ class Deviation:
     @property
     def threshold(self) -> float:
         """The difference beyond which the estimate contradicts the belief."""
-        known = self.estimate.known_uncertainty
-        standard = 0.0 if known is None else known.standard
-        return max(SURE * standard, self.tolerance)
+        return max(sure_of(self.estimate.known_uncertainty), self.tolerance)
 
     @property
     def told(self) -> bool:
@@ -78,6 +80,12 @@ class Deviation:
         value = f"{with_expanded(self.estimate.value, self.estimate.uncertainty)} {unit}".rstrip()
         share = f", {self.percent:+.3g} %" if math.isfinite(self.percent) else ""
         return f"{self.name} is {value}, {self.believed:.4g} {unit} is believed{share}".replace(" ,", ",")
+
+
+def sure_of(uncertain: Uncertainty | None) -> float:
+    """Return the difference that an uncertainty leaves as unlikely as three standard uncertainties are of
+    many degrees of freedom, by Student's distribution of those that it has; 0 without one."""
+    return 0.0 if uncertain is None else uncertain.half_width_of(_SURELY)
 
 
 def deviations(
@@ -118,13 +126,12 @@ def shared_cause(wrong: Sequence[Deviation]) -> str:
 
 
 def _ratio(each: Deviation) -> tuple[float, float]:
-    """Return estimate over belief, and the uncertainty of that."""
-    standard = 0.0 if each.estimate.uncertainty is None else each.estimate.uncertainty.standard
-    return each.estimate.value / each.believed, standard / abs(each.believed)
+    """Return estimate over belief, and by how much that may be off."""
+    return each.estimate.value / each.believed, sure_of(each.estimate.uncertainty) / abs(each.believed)
 
 
 def _agree(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    return abs(one[0] - other[0]) <= max(SURE * math.hypot(one[1], other[1]), _GAIN)
+    return abs(one[0] - other[0]) <= max(math.hypot(one[1], other[1]), _GAIN)
 
 
 def _tolerance(name: str, believed: float, motor: Motor, u_dc_V: float) -> float:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.balances.flux_model import NEEDED, PHASES, Electrical, Ticks, flux_of
 from benchtool.analysis.balances.space_vectors import Complex, Floats
-from benchtool.analysis.balances.unknowns import Solution, solve
+from benchtool.analysis.balances.unknowns import ABOVE_NOISE, Solution, solve
 from benchtool.analysis.balances.whitening import Whitening, likeliest
 from benchtool.analysis.sensors.mean_reading import MeanReading
 from benchtool.analysis.validity import clipping, require_finite_channels, require_unbroken
@@ -199,7 +199,7 @@ def _balance(ticks: Ticks, belief: Electrical) -> FluxBalance:
     # without a dead time the signs count for nothing
     of_belief_A2 = _squares(ticks, ticks.errors(belief, np.zeros_like(ticks.u_s)), belief, left_out)
     belief_error_A = math.sqrt(float(np.mean(of_belief_A2)))
-    found = replace(solution, bias=bias)
+    found = replace(solution, bias=bias, hidden=_hidden(ticks, errors, p, left_out))
     unexplained_V = share * math.sqrt(float(np.mean(np.abs(ticks.u_s) ** 2)))
     return FluxBalance(
         ticks, belief, _with_phase_c(found), left_out, squares_A2, belief_error_A, unexplained_V
@@ -296,6 +296,20 @@ def _squares(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[
     measured beginning."""
     turned = (errors_Vs * np.conj(ticks.direction(p)[1:]))[~left_out]
     return np.asarray((turned.real / p.L_d) ** 2 + (turned.imag / p.L_q) ** 2)
+
+
+def _hidden(
+    ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]
+) -> frozenset[str]:
+    """Return the inductances along whose axis the current moves by hardly more than the errors of its
+    prediction: steps of the encoder move that of a steady torque as well."""
+    moves_A = ticks.measured_dq[1:][~left_out]
+    error_Vs = (errors_Vs * np.conj(ticks.direction(p)[1:]))[~left_out]
+    axes = (
+        ("L_d", moves_A.real, error_Vs.real / p.L_d),
+        ("L_q", moves_A.imag, error_Vs.imag / p.L_q),
+    )
+    return frozenset(name for name, i, error in axes if np.std(i) < ABOVE_NOISE * np.std(error))
 
 
 def _spans(ticks: Ticks, belief: Electrical) -> Floats:

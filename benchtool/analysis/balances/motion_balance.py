@@ -31,7 +31,7 @@ from benchtool.analysis.balances.flux_model import NEEDED
 from benchtool.analysis.balances.modulation import HOP, WINDOW, Modulation
 from benchtool.analysis.balances.readings import of_readings
 from benchtool.analysis.balances.space_vectors import Floats
-from benchtool.analysis.balances.unknowns import Solution, solve
+from benchtool.analysis.balances.unknowns import ABOVE_NOISE, Solution, solve
 from benchtool.analysis.declaration import Analysis, Findings, Measured, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.quantisation.resolution import counting_step
@@ -101,7 +101,8 @@ def motion_balance(
     rows = block.data.shape[0] - len(torque)
     measured = np.unwrap(np.ascontiguousarray(block.column("theta_m")))[rows:]
     speed = np.gradient(smooth_angle(measured))
-    turning = _turning(speed, counting_step(block.column("theta_m")))
+    count_rad = counting_step(block.column("theta_m"))
+    turning = _turning(speed, count_rad)
     T_s = flux.ticks.T_s
     windows = Modulation.of(turning, T_s)
     count = len(windows.starts)
@@ -139,6 +140,10 @@ def motion_balance(
     noise_Nm = 1.5 * motor.pole_pairs * flux.estimate.psi_r * 0.5 * flux.error_A[0]
     white, sides = windows.whitened(columns, np.column_stack([impulse, impulse + moved]), noise_Nm)
     solution, beside = (_solved(names, white, side, believed, spans) for side in sides.T)
+    # what counts of the encoder alone make of an even speed
+    noise_rad_s = count_rad / math.sqrt(12.0) * math.sqrt(float(np.sum(windows.second**2)))
+    if np.std(columns[:, 0]) < ABOVE_NOISE * noise_rad_s:
+        solution = replace(solution, hidden=frozenset({"J"}))
     left = (impulse - columns @ solution.values) / impulse_s
     return MotionBalance(
         flux,

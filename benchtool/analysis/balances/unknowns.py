@@ -6,6 +6,10 @@ weak knowledge that it lies within three spans of the belief (a prior), which ke
 data say nothing. An unknown whose standard uncertainty exceeds a quarter of its span is not told, nor is one
 whose error goes with that of such an unknown: a correlation beyond 0.9 means that the data hardly tell the
 two apart.
+
+However small the scatter, two more are not told. Of one that is collinear with others the least error of the
+model, which does not scatter, makes a large error. And of one whose excitation does not stand out of noise
+that noise is taken for the excitation.
 """
 
 from __future__ import annotations
@@ -27,6 +31,11 @@ PRIOR_SPANS: Final = 3.0
 
 _TOLD: Final = 0.25  # of a span: the largest standard uncertainty of an unknown that is told
 _INSEPARABLE: Final = 0.9  # correlation
+_MOST_INFLATED: Final = 200.0  # variance by collinearity; of one torque at one speed it is 900 to 50000
+ABOVE_NOISE: Final = 2.0
+"""Rms of what tells an unknown, over that of its noise, from which on it is not noise that is read."""
+
+_SINGULAR: Final = 1e-12  # of the largest eigenvalue
 _BLOCKS: Final = 200
 _SHORTEST: Final = 100  # rows of a block
 _FEWEST_INDEPENDENT: Final = 4.0  # blocks that errors count as, however long they last
@@ -72,6 +81,7 @@ class Solution:
         dof: degrees of freedom of the covariance.
         certain: covariance of independent normal errors with the prior, by which it is judged what is told.
         bias: standard uncertainty for what noise in the equations' own coefficients moves, shape (n,).
+        hidden: the unknowns of which noise hides what would tell them.
     """
 
     names: tuple[str, ...]
@@ -81,6 +91,7 @@ class Solution:
     dof: float
     certain: Floats
     bias: Floats
+    hidden: frozenset[str] = frozenset()
 
     def value(self, name: str) -> float:
         """Return the value of an unknown."""
@@ -129,7 +140,9 @@ class Solution:
         """Return why an unknown is not told and what to play; empty if it is told."""
         place = self.names.index(name)
         others = self._inseparable(place)
-        if self._known(place):
+        if name in self.hidden:
+            return f"noise hides what would tell it in this capture: capture {_ALONE[name]}"
+        if self._known(place) and self._inflation(place) <= _MOST_INFLATED:
             others = tuple(other for other in others if not self._known(self.names.index(other)))
             if not others:
                 return ""
@@ -143,6 +156,14 @@ class Solution:
         """Return whether the uncertainty of an unknown is small beside its span."""
         standard = max(math.sqrt(float(self.certain[place, place])), self.standard(self.names[place]))
         return standard <= _TOLD * float(self.spans[place])
+
+    def _inflation(self, place: int) -> float:
+        """Return by how much the other unknowns raise the variance of one: its variance inflation factor
+        (D. W. Marquardt, Technometrics 12 (1970) 591)."""
+        deviations = np.sqrt(np.diag(self.certain))
+        correlation = self.certain / np.outer(deviations, deviations)
+        # the gains of three phases, which add up to zero, have no inverse
+        return float(np.linalg.pinv(correlation, _SINGULAR, hermitian=True)[place, place])
 
     def _inseparable(self, place: int) -> tuple[str, ...]:
         """Return the unknowns whose errors go with those of this one."""
