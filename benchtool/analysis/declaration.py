@@ -202,6 +202,7 @@ class Analysis(Generic[Settings]):
         measured: when it is made.
         channels: of the capture, all of which are required.
         channel_settings: the settings that each name one more channel that it needs; an empty one names none.
+        one_unit: those of these settings whose channels have to be of one unit.
         transducer: whether it needs the torque transducer as well.
         every_tick: whether it needs a capture with stride 1.
         fewest_revolutions: mechanical revolutions that its window has to have; without them its measurements
@@ -221,6 +222,7 @@ class Analysis(Generic[Settings]):
     measured: Measured = Measured.STEADY_STATE
     channels: tuple[str, ...] = ()
     channel_settings: tuple[str, ...] = ()
+    one_unit: tuple[str, ...] = ()
     transducer: bool = False
     every_tick: bool = False
     fewest_revolutions: float = 0.0

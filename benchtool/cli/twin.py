@@ -81,6 +81,9 @@ def _show(output: Output, twin: Twin) -> None:
     titles = ("signal", ">as believed", ">as estimated", "unit")
     output.table("simulated less measured, rms", titles, residuals)
     reasons: dict[str, list[str]] = {}
+    for signal in twin.signals:
+        if signal.reason:
+            reasons.setdefault(signal.reason, []).append(signal.name)
     for each in twin.deviations:
         if not each.told:
             reasons.setdefault(each.estimate.reason, []).append(each.name)

@@ -31,7 +31,7 @@ class NameCheck:
         transducer: whether the bench has a torque transducer.
         stream: whether the drive has a slow stream, which the certificate measures too.
         channels: that are recorded.
-        units: of the signals that the drive has.
+        units: of the signals that the drive has, as far as they are known before the run.
     """
 
     plan: Plan
@@ -72,12 +72,33 @@ class NameCheck:
                     f"is '{channel}', which record.channels does not have: add it there, or choose one "
                     f"of {', '.join(self.plan.record.channels)}",
                 )
+            yield from self._unit_faults(analysis, settings)
             untold = set(analysis.missing(self.channels, settings)) - set(unknown.values())
             if (untold or not unknown) and not self._possible(analysis, settings):
                 yield (
                     ("analyses", analysis.name),
                     f"analyses.{analysis.name} {self._lacks(analysis, settings)}",
                 )
+
+    def _unit_faults(self, analysis: Analysis[Section], settings: Section) -> Faults:
+        """Yield the channels of an analysis that are not of the unit of the first that it needs in one."""
+        named = {key: str(getattr(settings, key)) for key in analysis.one_unit}
+        units = {key: self.units[name] for key, name in named.items() if name in self.units}
+        for key, unit in units.items():
+            first = next(iter(units))
+            if unit == units[first]:
+                continue
+            alike = [
+                name
+                for name in self.plan.record.channels
+                if self.units.get(name) == units[first] and name != named[first]
+            ]
+            remedy = f"choose {' or '.join(alike)}" if alike else "record one of that unit and name it"
+            yield (
+                ("analyses", analysis.name, key),
+                f"is '{named[key]}', in {unit or 'no unit'}, and {first} is '{named[first]}', in "
+                f"{units[first] or 'no unit'}: one unit is needed, {remedy}",
+            )
 
     def _figure_faults(self) -> Faults:
         plan = self.plan

@@ -27,6 +27,7 @@ _FEWEST_PERIODS = 2
 _ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
 _PERIODIC: Final = frozenset({"i_a", "theta_m", "psi_alpha", "psi_beta"})
 _LONGEST_NAME = 200
+_PLAYED: Final = "stimulus"
 _TAKEN: Final = frozenset({"plots", "data"})
 
 Faults = Iterator[tuple[Path_, str]]
@@ -88,9 +89,12 @@ def faults_of(
     """
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
+    units.pop(_PLAYED, None)  # has that of what is played
+    if plan.stimulus is not None:
+        units[_PLAYED] = plan.stimulus.unit
     channels = plan.record.channels
     if {("record",), ("record", "channels")} & set(left_out):
-        channels = tuple(units)  # what is recorded is not known, so that nothing lacks a channel
+        channels = (*units, _PLAYED)  # what is recorded is not known, so that nothing lacks a channel
     naming = NameCheck(plan, profile.motor, transducer, stream, frozenset(channels), units)
     yield from itertools.chain(
         _setting_faults(plan, dictionary),

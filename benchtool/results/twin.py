@@ -65,7 +65,10 @@ _HELD: Final[Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class Signal:
-    """A measured signal, and the twin's of it, shape (n,): with the parameters believed, and estimated."""
+    """A measured signal, and the twin's of it, shape (n,): with the parameters believed, and estimated.
+
+    A simulation that diverges is nan from there on, and its residual has no rms.
+    """
 
     name: str
     unit: str
@@ -87,14 +90,27 @@ class Signal:
         """Rms of the residual with the parameters estimated."""
         return _rms(self.residual(self.estimated))
 
+    @property
+    def reason(self) -> str:
+        """Why a residual has no rms; empty where both have one."""
+        of = (("believed", self.believed_rms), ("estimated", self.estimated_rms))
+        which = " and ".join(name for name, rms in of if math.isnan(rms))
+        if not which:
+            return ""
+        return (
+            f"with the parameters as {which} the simulation diverges, as no machine does: see which of them "
+            f"are not told, and what to capture"
+        )
+
     def to_json(self) -> dict[str, Any]:
         """Return the residuals."""
-        return {
+        document = {
             "unit": self.unit,
             "measured_rms": _rms(self.measured),
-            "residual_rms_believed": self.believed_rms,
-            "residual_rms_estimated": self.estimated_rms,
+            "residual_rms_believed": _or_null(self.believed_rms),
+            "residual_rms_estimated": _or_null(self.estimated_rms),
         }
+        return document | ({"reason": self.reason} if self.reason else {})
 
 
 @dataclass(frozen=True)
@@ -222,11 +238,10 @@ def _currents(flux: FluxBalance) -> Iterator[Signal]:
 def _speed(motion: MotionBalance, motor: Motor) -> Signal:
     """Return the speed that the torque makes, from the first measured one on."""
     T_s, measured = motion.flux.ticks.T_s, motion.omega_m_rad_s
-    start = float(measured[0])
 
     def simulated(p: Electrical, J: float, friction: float, coulomb: float, load: float) -> Floats:
         torque = motion.flux.torque(p, motor.pole_pairs)
-        return simulated_speed(torque, start, T_s, J, friction, coulomb, load)
+        return simulated_speed(torque, measured, T_s, J, friction, coulomb, load)
 
     believed = simulated(motion.flux.belief, motor.J_kgm2, 0.0, 0.0, 0.0)
     found = (motion.solution.value(name) for name in motion.solution.names)
@@ -265,6 +280,10 @@ def _parameter(each: Deviation) -> dict[str, Any]:
         "threshold": each.threshold,
         "contradicts": each.contradicts,
     }
+
+
+def _or_null(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _rms(values: Floats) -> float:

@@ -18,7 +18,8 @@ class Parameter(Measurement):
     difference_percent: float | None
     """That in percent of the belief; null of a belief of 0."""
     threshold: float
-    """Difference beyond which the belief is contradicted: three standard uncertainties or the tolerance."""
+    """Difference beyond which the belief is contradicted: three standard uncertainties, more of them with few
+    degrees of freedom, or the tolerance."""
     contradicts: bool
     """Whether it is."""
 
@@ -30,10 +31,12 @@ class Residual(Document):
     """Of the signal."""
     measured_rms: float
     """Rms of the measured signal."""
-    residual_rms_believed: float
-    """Rms of the residual with the parameters that were believed."""
-    residual_rms_estimated: float
-    """Rms of the residual with those that the run tells."""
+    residual_rms_believed: float | None
+    """Rms of the residual with the parameters that were believed; null where their simulation diverges."""
+    residual_rms_estimated: float | None
+    """Rms of the residual with those that the run tells; likewise."""
+    reason: str | None = None
+    """Why a residual is null."""
 
 
 class TwinCase(Document):

@@ -298,9 +298,7 @@ def _squares(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[
     return np.asarray((turned.real / p.L_d) ** 2 + (turned.imag / p.L_q) ** 2)
 
 
-def _hidden(
-    ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]
-) -> frozenset[str]:
+def _hidden(ticks: Ticks, errors_Vs: Complex, p: Electrical, left_out: NDArray[np.bool_]) -> frozenset[str]:
     """Return the inductances along whose axis the current moves by hardly more than the errors of its
     prediction: steps of the encoder move that of a steady torque as well."""
     moves_A = ticks.measured_dq[1:][~left_out]

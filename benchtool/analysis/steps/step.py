@@ -421,6 +421,7 @@ STEP: Final = Analysis(
     settings=StepSettings,
     measured=Measured.ON_REQUEST,
     channel_settings=("signal", "reference"),
+    one_unit=("signal", "reference"),
     figures=(TORQUE,),
     comparisons=(TORQUE,),
 )

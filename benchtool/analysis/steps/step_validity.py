@@ -10,12 +10,36 @@ from benchtool.analysis.steps.step_shape import Step
 from benchtool.analysis.validity import clipped_share
 
 UNDECIDED = "because of noise this is undecided"
+_OFFSET = 0.5  # of the step: the most that signal and reference are apart before it
+_SURE = 3.0  # standard uncertainties of that
 _FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 
 
 def why_unknown(step: Step, band: float) -> str:
     """Return why no number of an answer is known, within a `band` about its levels; empty where it is."""
-    return _noise_unknown(step) or _clicks_too_many(step) or _overshoot_clipped(step, band)
+    reasons = (
+        _reference_of_another(step),
+        _noise_unknown(step),
+        _clicks_too_many(step),
+        _overshoot_clipped(step, band),
+    )
+    return next(filter(None, reasons), "")
+
+
+def _reference_of_another(step: Step) -> str:
+    """Return why a signal that is far from its reference before the step does not follow it, empty where it
+    may: within half of the step it has an offset, beyond it would be counted as on its way or as arrived."""
+    rest = step.y_before[: max(1, step.begin)]
+    at_rest = float(np.mean(rest))
+    apart, unsure = abs(at_rest - step.before), _SURE * step.y_noise.of_mean(len(rest))
+    if apart <= _OFFSET * step.height + unsure:
+        return ""
+    signal, reference = (f"{step.sign * each + 0.0:.4g} {step.unit}" for each in (at_rest, step.before))
+    return (
+        f"before the step of {step.height:.4g} {step.unit} the signal is at {signal} and the reference at "
+        f"{reference}, more than half of the step apart: name the reference that the signal follows, not "
+        f"what is added to it, or start the signal where the reference starts"
+    )
 
 
 def _noise_unknown(step: Step) -> str:

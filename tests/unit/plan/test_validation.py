@@ -315,6 +315,32 @@ def test_a_unit_of_the_signal_is_that_of_the_channel(
         assert _line(text, "overshoot") in message
 
 
+_SPEED_STEP = """[stimulus]
+quantity = "speed"
+shape = "step"
+amplitude_rad_s = 5.0
+duration_s = 0.6
+
+[analyses]
+steady = false
+
+[analyses.step]
+signal = "omega_m"
+"""
+
+
+@pytest.mark.parametrize("reference", ["", 'reference = "stimulus"\n'])
+def test_a_reference_in_another_unit_is_refused_before_the_run(tmp_path: Path, reference: str) -> None:
+    """The channel of the stimulus is in the unit of what is played."""
+    text = BASE.replace('"omega_m"]', '"omega_m", "torque_reference", "stimulus"]') + _SPEED_STEP + reference
+    if reference:
+        _check(tmp_path / "mine.toml", text)
+        return
+    message = _refusal(tmp_path / "mine.toml", text)
+    assert "analyses.step.reference is 'torque_reference', in Nm, and signal is 'omega_m', in rad/s" in message
+    assert "one unit is needed, choose stimulus" in message
+
+
 @pytest.mark.parametrize(
     ("analyses", "at", "complaint"),
     [

@@ -66,3 +66,19 @@ def test_what_is_not_told_keeps_its_reason() -> None:
     found = deviations([lost], BELIEVED, EXAMPLE_MOTOR, u_dc_V=100.0)
     assert list(undefined(found)) == [("L_q", "capture a second torque")]
     assert str(deviations([measured("R_s", 0.12)], BELIEVED, EXAMPLE_MOTOR, 100.0)[0]).endswith("+20 %")
+
+
+@pytest.mark.parametrize(("dof", "is_named"), [(1.0, False), (3.0, False), (30.0, True), (math.inf, True)])
+def test_few_degrees_of_freedom_ask_for_a_larger_difference(dof: float, is_named: bool) -> None:
+    """0.35 is six standard uncertainties of 0.06: within U of one degree of freedom, and little beyond three
+    standard uncertainties of the many."""
+    uncertain = Uncertainty(0.06, "scatter", dof)
+    estimate = Measurement("flux_balance_R_s", 0.45, "ohm", "", uncertainty=uncertain)
+    (found,) = deviations([estimate], BELIEVED, EXAMPLE_MOTOR, u_dc_V=100.0)
+    assert found.contradicts == is_named
+    assert found.threshold > uncertain.expanded
+
+
+def test_three_standard_uncertainties_of_many_degrees_of_freedom_are_the_threshold() -> None:
+    (found,) = deviations([measured("R_s", 0.12, 0.007)], BELIEVED, EXAMPLE_MOTOR, u_dc_V=100.0)
+    assert found.threshold == pytest.approx(3.0 * 0.007)

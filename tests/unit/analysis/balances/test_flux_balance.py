@@ -129,6 +129,18 @@ def test_one_steady_state_does_not_tell_apart_what_takes_a_second_torque() -> No
     assert all(math.isnan(each.value) for each in measured if each.reason)
 
 
+def test_a_steady_torque_between_steps_of_an_encoder_tells_no_parameter_of_the_machine() -> None:
+    """Turned by an angle that comes in steps, a steady current moves along both axes: taken for excitation,
+    that made R_s negative and L_d half of what it is, with a twentieth of that for U."""
+    steady = Excitation(i_q_A=5.0, i_q_Hz=0.0, i_d_A=0.0, speed_rad_s=60.0)
+    block = capture(Truth(counts=2500, noise_A=0.002), steady, 2000)
+    found = flux_balance(replace(block, data=block.data[500:]), EXAMPLE_MOTOR).solution
+    assert found.hidden == {"L_d", "L_q"}
+    for name in ("R_s", "L_d", "L_q", "psi_r", "encoder_offset"):
+        assert found.why_not(name)
+    assert "noise hides" in found.why_not("L_d")
+
+
 @pytest.mark.parametrize(
     ("change", "seen"),
     [

@@ -50,6 +50,17 @@ def test_a_shaft_whose_speed_is_held_tells_no_inertia() -> None:
     assert "turns freely" in inertia.reason
 
 
+def test_an_even_speed_by_the_counts_of_an_encoder_tells_no_inertia() -> None:
+    """The counts alone accelerate then, by no torque: the inertia came out as zero, with a small U."""
+    block = capture(Truth(counts=2500), Excitation(speed_rad_s=60.0), 3000)
+    found = motion_balance(block, EXAMPLE_MOTOR, flux_balance(block, EXAMPLE_MOTOR)).solution
+    assert found.hidden == {"J"}
+    assert "noise hides" in found.why_not("J")
+    swing = capture(Truth(counts=2500), FREE, 3000)
+    swung = motion_balance(swing, EXAMPLE_MOTOR, flux_balance(swing, EXAMPLE_MOTOR)).solution
+    assert not swung.hidden
+
+
 def test_a_shaft_that_hardly_turns_is_refused() -> None:
     block = capture(Truth(), Excitation(i_q_A=2.0, i_q_Hz=150.0), 1500)
     with pytest.raises(AnalysisError, match="turn it faster"):

@@ -450,3 +450,22 @@ def test_a_drift_that_noise_hides_before_a_step_is_in_what_is_late() -> None:
     assert doubtful.uncertainty is not None
     assert plain.uncertainty.standard < 2e-3
     assert doubtful.value < 2.0 * doubtful.uncertainty.standard
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("before", "is_known"), [(0.45, True), (-0.45, True), (0.55, False), (2.0, False)])
+def test_a_signal_far_from_its_reference_before_the_step_follows_another(
+    before: float, is_known: bool, sign: float
+) -> None:
+    """A speed that steps from 100 to 150 rad/s beside what is added to its setpoint, 0 to 50: it had risen
+    before the step, in no time, with an overshoot of 224 %."""
+    r = _step(0.0, 1.0)
+    since_s = np.maximum(0.0, np.arange(1000) - 100) / RATE_HZ
+    y = sign * (before + 1.0 - np.exp(-since_s / 2e-3))
+    response = analyze_step(_block(y, sign * r), "torque", "torque_reference", held=True)
+    found = {each.name: each for each in response.measurements}
+    assert math.isfinite(found["overshoot"].value) == is_known
+    if not is_known:
+        assert all(math.isnan(each.value) for each in found.values())
+        assert f"signal is at {sign * before:.4g} Nm" in found["rise_time"].reason
+        assert "name the reference that the signal follows" in found["rise_time"].reason
