@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from benchtool.analysis.responses import FREQUENCY_RESPONSE
+from benchtool.analysis.steps.step import STEP, StepSettings
+from benchtool.analysis.steps.step_validity import MOST_OFFSET
 from benchtool.document import by_line, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
 from benchtool.misfits import Path_
@@ -89,7 +91,7 @@ def faults_of(
     """
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
-    units.pop(_PLAYED, None)  # has that of what is played
+    units.pop(_PLAYED, None)  # has the unit of the quantity that plays
     if plan.stimulus is not None:
         units[_PLAYED] = plan.stimulus.unit
     channels = plan.record.channels
@@ -104,7 +106,7 @@ def faults_of(
         _rating_faults(plan, profile),
         _record_faults(plan, profile, dictionary),
         _window_faults(plan, profile, dictionary),
-        _as_written(naming.faults(), source.document),
+        _as_written(itertools.chain(naming.faults(), _reference_faults(plan)), source.document),
     )
 
 
@@ -306,6 +308,25 @@ def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faul
             f"the stimulus repeats itself every {length_s:g} s and {after_s:g} s of it are recorded: two "
             f"repetitions at least are needed, of which the first is left out",
         )
+
+
+def _reference_faults(plan: Plan) -> Faults:
+    """Yield the step of a signal that is at its operating point before it, against a stimulus that begins at
+    zero."""
+    stimulus, settings = plan.stimulus, plan.analyses.settings(STEP)
+    if stimulus is None or not isinstance(settings, StepSettings) or settings.reference != _PLAYED:
+        return
+    for case in cases(plan):
+        point = case.operating_point
+        setpoints = {"speed": ("omega_m", point.omega_m_rad_s), "torque": ("torque", point.torque_Nm)}
+        signal, setpoint = setpoints.get(stimulus.quantity, ("", 0.0))
+        if signal == settings.signal and abs(setpoint) > MOST_OFFSET * stimulus.peak:
+            yield (
+                ("analyses", STEP.name, "reference"),
+                f"is '{_PLAYED}', which begins at 0 {stimulus.unit}, and '{signal}' begins at "
+                f"{setpoint:g} {stimulus.unit} (case '{case.name}'): step from an operating point of 0, or "
+                f"by {abs(setpoint) / MOST_OFFSET:g} {stimulus.unit} at least",
+            )
 
 
 def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:
