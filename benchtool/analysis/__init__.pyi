@@ -151,9 +151,12 @@ from .steady_state import (
     steady_state_of as steady_state_of,
 )
 from .steps.step import (
+    STEP as STEP,
     StepResponse as StepResponse,
+    StepSettings as StepSettings,
     analyze_step as analyze_step,
 )
+from .steps.step_validity import MOST_STEP_OFFSET as MOST_STEP_OFFSET
 from .switching import (
     SWITCHING_STATES as SWITCHING_STATES,
     SwitchingStates as SwitchingStates,

@@ -9,9 +9,8 @@ from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
+from benchtool.analysis import MOST_STEP_OFFSET, STEP, StepSettings
 from benchtool.analysis.responses import FREQUENCY_RESPONSE
-from benchtool.analysis.steps.step import STEP, StepSettings
-from benchtool.analysis.steps.step_validity import MOST_OFFSET
 from benchtool.document import by_line, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
 from benchtool.misfits import Path_
@@ -320,12 +319,12 @@ def _reference_faults(plan: Plan) -> Faults:
         point = case.operating_point
         setpoints = {"speed": ("omega_m", point.omega_m_rad_s), "torque": ("torque", point.torque_Nm)}
         signal, setpoint = setpoints.get(stimulus.quantity, ("", 0.0))
-        if signal == settings.signal and abs(setpoint) > MOST_OFFSET * stimulus.peak:
+        if signal == settings.signal and abs(setpoint) > MOST_STEP_OFFSET * stimulus.peak:
             yield (
                 ("analyses", STEP.name, "reference"),
                 f"is '{_PLAYED}', which begins at 0 {stimulus.unit}, and '{signal}' begins at "
                 f"{setpoint:g} {stimulus.unit} (case '{case.name}'): step from an operating point of 0, or "
-                f"by {abs(setpoint) / MOST_OFFSET:g} {stimulus.unit} at least",
+                f"by {abs(setpoint) / MOST_STEP_OFFSET:g} {stimulus.unit} at least",
             )
 
 
