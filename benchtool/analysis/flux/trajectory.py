@@ -291,7 +291,7 @@ def _centre_beyond_its_scatter(flux: _Revolutions) -> tuple[float, float]:
     slowly to be in the scatter of the revolutions: the mean square of the radius has half of its square."""
     centre = flux.without_growth(growth_within(flux.orders[:, 1])[0])[:, 0]
     length, _, along = length_of_mean(centre, flux.after, flux.of_centre)
-    own, dof = along.standard / students_deviation(along.dof), max(1.0, len(centre) - 1.0)
+    own, dof = along.experimental, max(1.0, len(centre) - 1.0)
     by_scatter = math.sqrt(0.5 * float(np.var(centre)) / dof) * students_deviation(dof)
     return length, math.sqrt(max(own**2 - by_scatter**2, 0.0))
 

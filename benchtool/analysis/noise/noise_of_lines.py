@@ -62,22 +62,20 @@ class NoiseAround:
         counted = np.where(weights != 0.0, weights**2 * self.power, 0.0)
         return replace(self, power=np.atleast_1d(np.sum(counted)))
 
-    def is_that_beside(self, power: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return whether eight pairs beside each line, shape (lines, pairs), differ from it by no more than
-        chance: all of them, those next to the line, and the first."""
+    def with_pairs(self, power: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the noise power at lines and its degrees of freedom, shape (lines,), by eight pairs beside
+        each, shape (lines, pairs): pooled with this where it differs by no more than chance from all of them,
+        from those next to the line, and from the first."""
         first, nearest, middle = power[:, 0], np.mean(power[:, :_NEAREST], axis=1), _by_median(power)
-        return np.asarray(
+        alike = (
             (first < _FIRST * self.power)
             & (nearest < _RISEN * self.power)
             & (middle < _MORE * self.power)
             & (middle > _LESS * self.power)
         )
-
-    def pooled(self, power: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the power by this and by eight pairs beside each line, shape (lines, pairs)."""
-        return np.asarray(
-            (_DOF_OF_MEDIAN * _by_median(power) + self.dof * self.power) / (_DOF_OF_MEDIAN + self.dof)
-        )
+        dof = _DOF_OF_MEDIAN + self.dof
+        both = (_DOF_OF_MEDIAN * middle + self.dof * self.power) / dof
+        return np.where(alike, both, noise_at_lines(power)), np.where(alike, dof, 2.0 * PAIRS)
 
 
 @dataclass(frozen=True)
@@ -199,21 +197,20 @@ def noise_of_pairs(
     for count in np.unique(counts[counts > 0]):
         rows = counts == count
         own = square[rows][inside[rows]].reshape(-1, count)
-        beside = None if around is None else replace(around, power=around.power[rows])
-        found[rows] = noise_at_lines(own, beside)
-        if beside is not None and count == PAIRS:
-            dof[rows] = np.where(beside.is_that_beside(own), _DOF_OF_MEDIAN + beside.dof, dof[rows])
+        if around is None or count < PAIRS:
+            found[rows] = noise_at_lines(own)
+        else:
+            found[rows], dof[rows] = replace(around, power=around.power[rows]).with_pairs(own)
     return NoiseOfPairs(np.sqrt(found), dof)
 
 
-def noise_at_lines(power: NDArray[np.float64], around: NoiseAround | None = None) -> NDArray[np.float64]:
+def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the noise power at lines, shape (lines,), by that of pairs around each, the nearest first, shape
     (lines, pairs).
 
     Where the nearest have more than the median of all, and more than twice that of those beyond, the noise
     rises towards the line, and goes on to rise by as much again. The nearest are few: their mean counts as
-    Student's distribution would have it, less what is gained where the median is the larger. Where neither
-    differs from the noise `around` by more than chance, all of it tells that.
+    Student's distribution would have it, less what is gained where the median is the larger.
     """
     pairs = power.shape[1]
     middle, nearest = _by_median(power), np.mean(power[:, :_NEAREST], axis=1)
@@ -223,10 +220,7 @@ def noise_at_lines(power: NDArray[np.float64], around: NoiseAround | None = None
     beyond = _by_median(power[:, _NEAREST:])
     rise = np.divide(nearest, beyond, out=np.ones_like(nearest), where=beyond > 0.0)
     risen = nearest * _OF_NEAREST * np.clip(rise / _RISES, 1.0, _RISES_MOST)
-    alone = np.where(nearest <= middle, middle, risen)
-    if around is None:
-        return alone
-    return np.where(around.is_that_beside(power), around.pooled(power), alone)
+    return np.where(nearest <= middle, middle, risen)
 
 
 def _by_median(power: NDArray[np.float64]) -> NDArray[np.float64]:

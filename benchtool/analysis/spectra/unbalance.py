@@ -142,11 +142,13 @@ def _beside(samples: Floats, periods: int) -> MeanError:
     power, number = bins.real**2 + bins.imag**2, np.arange(len(bins))
     nearest = power[: 2 * PAIRS + 1][number[: 2 * PAIRS + 1] % periods != 0][:PAIRS]
     others = power[np.minimum(number % periods, -number % periods) > 1]
-    around = None
-    if len(others) >= _FEWEST_AROUND:
+    if len(nearest) < PAIRS or len(others) < _FEWEST_AROUND:
+        found = noise_at_lines(nearest[np.newaxis])
+    else:
         of_others = float(np.median(others)) / median_of_exponentials(len(others))
         around = NoiseAround(np.array([of_others]), float(len(others)))
-    return MeanError(math.sqrt(float(noise_at_lines(nearest[np.newaxis], around)[0])), 2.0 * len(nearest))
+        found, _ = around.with_pairs(nearest[np.newaxis])
+    return MeanError(math.sqrt(float(found[0])), 2.0 * len(nearest))
 
 
 @dataclass(frozen=True)
