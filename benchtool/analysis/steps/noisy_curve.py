@@ -403,6 +403,8 @@ class NoisyCurve:
         found = last_passage(course, 0.0, band)
         if found is None:
             return None
+        if settled.leaves_late(course):  # itself, or by a rare burst of its noise
+            return Instant(found.place, math.inf)
         drawn = (last_passage(settled.without_noise(course + each), 0.0, band) for each in self.errors)
         places = np.array([math.nan if each is None else each.place for each in drawn])
         instant = Passage(found.place, found.reach, places).instant

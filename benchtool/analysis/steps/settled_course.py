@@ -77,6 +77,12 @@ class SettledCourse:
         course = np.where((np.abs(falls - rest) <= noise) & ~is_lobe, falls, rest)
         return np.concatenate([away[: self.last], self.sign * course])
 
+    def leaves_late(self, course: Floats) -> bool:
+        """Return whether a course `without_noise`, shape (n,), leaves the band again once it rings no longer:
+        by more than noise makes in most records, and by less than all of it."""
+        beyond = np.abs(course[self.soon - 1 :]) > self.band
+        return bool(np.any(beyond[1:] > beyond[:-1]))
+
     def with_rises(self, course: Floats, away: Floats) -> Floats:
         """Return a course `without_noise`, shape (n,), that rises as the curve itself does while it may still
         ring: within the noise an answer that creeps and rings at once does so as well."""
