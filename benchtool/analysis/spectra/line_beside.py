@@ -202,10 +202,7 @@ class LineFit:
         share = moves * self._share_of_lines(by_itself)
         weight = np.exp(self.weighs - np.max(self.weighs))
         harmonic = self.movement.harmonic
-        possible = np.abs(self.makes) < _MOST * abs(harmonic)
-        if not np.any(possible):
-            possible = np.abs(self.makes) == np.min(np.abs(self.makes))
-        weight = np.where(possible, weight, 0.0)
+        weight = np.where(_is_possible(np.abs(self.makes), abs(harmonic)), weight, 0.0)
         weight /= max(float(np.sum(weight)), 1e-300)
         mean = complex(weight @ self.makes)
         # about 1.43 bins away one farther and one nearer make the same of the harmonic
@@ -219,6 +216,13 @@ class LineFit:
         of_none = share * (mean * toward).real
         standard = math.sqrt(share * of_line**2 + (1.0 - share) * of_none**2)
         return LineBeside(place, share * complex(self.phasors[at]), standard, share)
+
+
+def _is_possible(makes: Floats, harmonic: float) -> NDArray[np.bool_]:
+    """Return whether lines beside it may make as much of a harmonic as read, shape (fits,): of all that make
+    far more than it is, and that the harmonic itself would cancel, the one that makes least."""
+    possible = makes < _MOST * harmonic
+    return possible if np.any(possible) else makes == np.min(makes)
 
 
 def two_lines(movement: Movement, kernel: Kernel) -> float:
@@ -241,6 +245,9 @@ def two_lines(movement: Movement, kernel: Kernel) -> float:
     # of any amplitude each, in the logarithm
     sizes2 = (unknowns[:, 0] ** 2 + unknowns[:, 1] ** 2) * (unknowns[:, 2] ** 2 + unknowns[:, 3] ** 2)
     likely = -rest / scale - np.log(sizes2) - 0.5 * np.linalg.slogdet(normal)[1]
+    lines = unknowns[:, ::2] + 1j * unknowns[:, 1::2]
+    made = np.abs(lines[:, 0] * kernel.own[one] + lines[:, 1] * kernel.own[two])
+    likely = np.where(_is_possible(made, 1.0), likely, -math.inf)
     own = np.stack([kernel.own.real, -kernel.own.imag], axis=1)
     along = np.concatenate([own[one], own[two]], axis=1)
     spread = np.sqrt(0.5 * scale * np.einsum("pi,pij,pj->p", along, inverse, along))

@@ -144,3 +144,13 @@ def test_a_line_is_no_larger_than_twice_the_harmonic_beside_it() -> None:
     fit = LineFit.of(Movement(1.0 + 0j, NUMBER, none, evenly, 1e-4, 1e-4), 10.0, KERNEL)
     assert np.max(np.abs(fit.makes)) > 4.0
     assert fit.line(1.0, 0.0).standard < 2.0
+
+
+def test_two_lines_make_no_more_than_twice_the_harmonic_beside_them() -> None:
+    time = (np.arange(COUNT) + 0.5) / COUNT
+    # decays as what a rotor or a loop leaves behind, which is no line, and no two
+    course = np.exp(-time / 0.1 + 0.4j * time)
+    around = np.array([np.mean(course * np.exp(-2j * np.pi * k * time)) for k in BINS])
+    fit = LineFit.of(moved(np.random.default_rng(2), around), 10.0, KERNEL)
+    assert fit.is_ill
+    assert fit.line(1.0, 0.0).standard < 2.0 * abs(around[REACH])
