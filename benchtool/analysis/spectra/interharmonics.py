@@ -31,6 +31,7 @@ _LEFT = 0.1  # of the power there, that one sinusoid more may leave
 _NEARLY = 2.0  # times that: a step of constants turns what is fitted by far less than 0.13 rad
 _CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
 _BESIDE, _OF_DISTANCE = 1.5, 0.125  # bins that `close_lines` looks at; of the distance of harmonics
+_AROUND_CLOSE = 3.0  # bins from a harmonic
 _ALIKE, _ALIKE_BINS = 0.2, 0.3  # of an amplitude; bins
 _REACH = 1 << 15  # bins, beyond which one leaks less than 1e-5 of itself
 _STEPS, _ENOUGH = 12, 1e-7
@@ -217,9 +218,19 @@ def interharmonics(spectrum: CoherentSpectrum, count: int) -> Interharmonics | N
         start, constant = _fitted_decay(bins - found.of_bins(number, count), periods, count)
         steady = bins - start * _decay(constant, number, count)
         found = _fitted(steady, found.places, periods, count) or found
-    apart = np.abs(found.places - periods * np.round(found.places / periods)) > _close_to_harmonics(periods)
+    apart = _is_apart(found, periods)
     found = Interharmonics(found.places[apart], found.phasors[apart], start, constant)
     return found if len(found.places) or start else None
+
+
+def _is_apart(found: Interharmonics, periods: int) -> NDArray[np.bool_]:
+    """Return which sinusoids are not beside a harmonic, where its phase tells them, nor near it and far less
+    than one that is near it: these are what a phase that wanders, too, leaves of the fit of that."""
+    harmonic, size = np.round(found.places / periods), np.abs(found.phasors)
+    beside = np.abs(found.places - periods * harmonic)
+    near = (beside < _AROUND_CLOSE) & (beside[:, np.newaxis] < _AROUND_CLOSE)
+    is_left = near & (harmonic == harmonic[:, np.newaxis]) & (_LEFT * size > size[:, np.newaxis])
+    return (beside > _close_to_harmonics(periods)) & ~np.any(is_left, axis=1)
 
 
 def without(coherent: CoherentSamples, found: Interharmonics, course: Course) -> CoherentSamples:
