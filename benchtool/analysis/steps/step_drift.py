@@ -27,8 +27,9 @@ _TOLERATED = 0.02  # of the step, over the time after it: the least settling ban
 
 @dataclass(frozen=True)
 class Drift:
-    """Drift of a signal: `reason` why the answer is not told from it, empty where it is, and its `slope`
-    then; `doubt` is the standard uncertainty, per sample, of a drift that cannot be excluded."""
+    """Drift of a signal: `reason` why the answer is not told from it, empty where it is; its `slope` where
+    noise alone hardly has that; `doubt` is the standard uncertainty, per sample, of a drift that is too small
+    to hide the answer, or cannot be excluded."""
 
     reason: str = ""
     slope: Slope | None = None
@@ -119,7 +120,8 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
         )
         return Drift(reason, with_steps)
     both = _of_both(with_steps, Slope.of(at_rest))
-    return Drift(doubt=abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0)
+    doubt = abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0
+    return Drift(slope=with_steps if with_steps.is_certain_at_rest else None, doubt=doubt)
 
 
 def _of_both(before: Slope, after: Slope | None) -> Slope:

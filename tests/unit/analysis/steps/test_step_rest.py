@@ -186,3 +186,15 @@ def test_few_rows_in_slow_noise_have_no_numbers_and_in_white_noise_they_have() -
             refused[name] += any("wanders" in each.reason for each in found)
     assert refused["slow"] >= 5
     assert refused["white"] == 0
+
+
+def test_samples_that_drift_too_little_to_hide_an_answer_scatter_about_a_line() -> None:
+    noise = 1e-4 * np.random.default_rng(21).standard_normal(1500)
+    line = 0.004 * np.linspace(-1.0, 1.0, 1500)
+    found = _found(_lag(1500, 20.0) + line + noise)
+    assert np.isfinite(found["settling_time"].value)
+    for name in ("plateau_mean", "tracking_error_mean"):
+        uncertainty = found[name].uncertainty
+        assert uncertainty is not None
+        # taken for slow noise, the line would leave 2e-3 of the mean uncertain
+        assert uncertainty.standard < 1e-4
