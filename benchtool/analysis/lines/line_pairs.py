@@ -13,6 +13,7 @@ from benchtool.analysis.lines.line_models import DOF_OF_NOISE, Complexes, Floats
 
 _NEAREST, _FARTHEST, _DISTANCES = 0.02, 1.6, 30  # bins
 _STEPS, _MOST_STEP, _STEP = 6, 0.3, 1e-3  # of the fit of a place; bins
+_ANYWHERE = 0.5  # bins: as far from the maximum the place is before, standard deviation
 _BY_HANN = 1.5  # bins of noise that count as one, under a Hann window
 
 
@@ -51,8 +52,8 @@ def pair_of(measured: Complexes, number: Integers, count: int, place: float, noi
     larger, row = np.argmax(fits.sizes, axis=1), np.arange(len(fits.apart))
     amplitude, places = fits.sizes[row, larger], fits.places[row, larger]
     mean, middle = float(weight @ amplitude), float(weight @ places)
-    of_amplitude2 = (amplitude - mean) ** 2 + 0.5 * fits.scale * fits.of_size[row, larger]
-    of_place2 = (places - middle) ** 2 + 0.5 * fits.scale * fits.of_place
+    of_amplitude2 = (amplitude - mean) ** 2 + fits.of_size2[row, larger]
+    of_place2 = (places - middle) ** 2 + fits.of_place2
     return Pair(
         middle,
         mean,
@@ -66,17 +67,16 @@ def pair_of(measured: Complexes, number: Integers, count: int, place: float, noi
 @dataclass(frozen=True)
 class _Fits:
     """Pairs at distances `apart`, shape (distances,): `places` and `sizes` of both lines, shape (distances,
-    2), what they leave, `rest`, and of noise of one, the variances of sizes and place; the logarithm of their
-    likelihood, and the mean square of noise, `scale`, by which they have that."""
+    2), what they leave, `rest`, and the variances of sizes and place by noise; and the logarithm of their
+    likelihood with that of amplitudes before."""
 
     apart: Floats
     places: Floats
     sizes: Floats
     rest: Floats
-    of_size: Floats
-    of_place: Floats
+    of_size2: Floats
+    of_place2: Floats
     likely: Floats
-    scale: float
 
     @staticmethod
     def of(
@@ -106,18 +106,22 @@ class _Fits:
         half = len(apart) // 2
         best = np.where(rest[:half] < rest[half:], np.arange(half), np.arange(half, 2 * half))
         of_size = np.real(np.diagonal(np.linalg.inv(square), axis1=1, axis2=2))
-        certain = (2.0 * np.log(np.linalg.det(square).real) + np.log(size))[best]
+        certain = 2.0 * np.log(np.linalg.det(square).real)[best]
         places, sizes = np.stack([at, at + apart], axis=1)[best], np.abs(phasors[best, :, 0])
         scale = _BY_HANN * max(noise**2, 2.0 * float(np.min(rest)) / _dof(number))
+        # which noise alone allows of two that cancel, many times of both together where they are close
+        of_size = 0.5 * scale * of_size[best]
+        together2 = np.abs(np.sum(phasors[best, :, 0], axis=1, keepdims=True)) ** 2
+        before = np.sum(np.log(sizes**2 + of_size + noise**2), axis=1)
+        of_place = 1.0 / (size[best] / (0.5 * scale) + 1.0 / _ANYWHERE**2)
         return _Fits(
             distances,
             places,
             sizes,
             rest[best],
-            of_size[best],
-            1.0 / size[best],
-            -rest[best] / scale - 0.5 * certain - 2.0 * np.sum(np.log(np.maximum(sizes, noise)), axis=1),
-            scale,
+            of_size * together2 / (of_size + together2),
+            of_place,
+            -rest[best] / scale - 0.5 * certain + 0.5 * np.log(of_place) - before,
         )
 
 
