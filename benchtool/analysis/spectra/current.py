@@ -150,10 +150,11 @@ def _errors(found: Separation, step: float) -> LineErrors:
     """Return the errors of the harmonics, whose spectrum is the clean one."""
     highest = min(HIGHEST_HARMONIC, len(harmonics(found.spectrum)))
     seen, alone, others, trend = found.seen, found.alone, found.others, found.steady.trend
+    jitter_rad = phase_noise_rad(found.cleaned, is_followed=found.track.departure is not None)
     errors = line_errors(
         found.clean,
         highest,
-        max(alone.excess_rad, seen.undecided_rad, phase_noise_rad(found.cleaned)),
+        max(alone.excess_rad, seen.undecided_rad, jitter_rad),
         step,
         alone.amplitude,
         alone.phase_rad,

@@ -30,6 +30,7 @@ CORRELATED = 1.5
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
+_STANDS_OUT, _WANDERS = 4.0, 2  # standard deviations of the bins of a mean; bins of a phase that wanders
 _ROUNDS = 3
 _FOLLOWS, _FEWEST_THAT_FOLLOW = 4.0, 4  # standard deviations of a correlation; periods
 _ROUNDING = 1e-12  # of the amplitude
@@ -105,21 +106,25 @@ def _offsets(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.int64]:
     return offsets[inside][:PAIRS]
 
 
-def phase_noise_rad(coherent: CoherentSamples) -> float:
+def phase_noise_rad(coherent: CoherentSamples, *, is_followed: bool = False) -> float:
     """Return the standard deviation of the phase from sample to sample, by how much more a signal scatters
     over the periods where it is steep; 0 where chance may do so.
 
     Samples whose times jitter by x, as a phase, have the variance x^2 (dw/dphase)^2 beside that of the noise.
-    It is in all bins alike, and takes x^2 k^2 / 2 off harmonic k.
+    It is in all bins alike, and takes x^2 k^2 / 2 off harmonic k. So it is no more than is beside the
+    fundamental: what scatters so and is elsewhere moves no phase, as the current that makes no torque.
+    Where the phase of each period `is_followed`, that has gone with the slow part of the jitter.
     """
     table = coherent.values.reshape(coherent.periods, -1)
     places = table.shape[1]
     if len(table) < _FEWEST_OF_JITTER or places < _FEWEST_OF_JITTER:
         return 0.0
+    scatter2 = np.var(table, axis=0, ddof=1)
     bins = fft.rfft(np.mean(table, axis=0))
     bins[-1] = 0.0
+    # noise of the mean is steep as well
+    bins[np.abs(bins) ** 2 < _STANDS_OUT**2 * places * float(np.mean(scatter2)) / len(table)] = 0.0
     steep2 = fft.irfft(1j * np.arange(len(bins)) * bins, places) ** 2
-    scatter2 = np.var(table, axis=0, ddof=1)
     about = steep2 - np.mean(steep2)
     size = float(about @ about)
     if not size > 0.0:
@@ -127,7 +132,20 @@ def phase_noise_rad(coherent: CoherentSamples) -> float:
     slope = float(about @ scatter2) / size
     left = scatter2 - np.mean(scatter2) - slope * about
     chance = math.sqrt(float(left @ left) / (places - 2.0) / size)
-    return math.sqrt(slope) if slope > _CLEARLY_STEEPER * chance else 0.0
+    if not slope > _CLEARLY_STEEPER * chance:
+        return 0.0
+    most = math.inf if is_followed else _beside_fundamental2(coherent) / float(np.mean(steep2))
+    return math.sqrt(min(slope, most))
+
+
+def _beside_fundamental2(coherent: CoherentSamples) -> float:
+    """Return the variance that a signal has of noise at most, if it is in all bins as beside the
+    fundamental."""
+    periods, count = coherent.periods, len(coherent.values)
+    bins = np.arange(periods // 2, periods + (periods + 1) // 2)
+    bins = bins[(np.abs(bins - periods) > _WANDERS) & (bins > 0)]
+    powers = np.abs(fft.rfft(coherent.values)[bins]) ** 2 / count
+    return float(np.mean(powers)) * (1.0 + 2.0 / math.sqrt(len(bins)))
 
 
 def wander_of_mean(amplitude: Floats, by_pairs: float, phase_rad: Floats | None = None) -> float:

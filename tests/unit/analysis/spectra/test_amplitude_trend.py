@@ -91,6 +91,18 @@ def test_jitter_is_seen_where_the_signal_is_steep() -> None:
         assert found == pytest.approx(expected, rel=0.1)
 
 
+def test_what_scatters_where_a_signal_is_steep_and_is_not_beside_its_fundamental_is_no_jitter() -> None:
+    row = np.arange(121 * 200, dtype=np.float64)
+    theta = 2.0 * np.pi * row / 200.0
+    track = PhaseTrack(Polynomial([0.0, 2.0 * np.pi / 200.0]), len(row), "as it was made")
+    # the ripple of the flux of a machine whose torque is held tightly
+    ripple = 0.01 * np.diff(np.random.default_rng(4).standard_normal(len(row) + 3), n=3)
+    coherent = coherent_samples(np.cos(theta) - ripple * np.sin(theta), 10e3, track)
+    assert phase_noise_rad(coherent) < 5e-4
+    # had the phase been followed, what is slow of jitter would not be there either
+    assert phase_noise_rad(coherent, is_followed=True) == pytest.approx(float(np.std(ripple)), rel=0.3)
+
+
 def test_the_memory_that_a_trend_takes_is_proportional_to_the_periods() -> None:
     periods = 8_000
     amplitudes = 1.0 + 1e-3 * np.random.default_rng(5).standard_normal(periods)
