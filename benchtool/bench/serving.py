@@ -89,7 +89,7 @@ def serve(
         load_torque_Nm: of the load machine, against positive rotation, while the drive is enabled.
         hold_omega_m_rad_s: speed at which the load machine turns the shaft instead.
         faults: injected at their seconds after power-up, as `Faults.inject` takes them.
-        note: called with a message when a wire is lost.
+        note: called with a message when a wire is lost, or the drive is compiled.
 
     Raises:
         ProfileError: the profile cannot be read, or describes no emulated bench.
@@ -112,6 +112,7 @@ def serve(
             step_s=STEP_S * speed,
             catch_up_s=_CATCH_UP_S,
             has_bus=False,
+            note=note,
         )
         stack.callback(bench.close)
         if hold_omega_m_rad_s is not None:

@@ -16,7 +16,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from benchtool.bench import Endpoint, ServedDrive, emulator_is_compiled, fault_table, serve
+from benchtool.bench import Endpoint, ServedDrive, fault_table, serve
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
@@ -111,8 +111,6 @@ def emulate(
         *(Endpoint(each) for each in offer or ()),
     ]
     try:
-        if not emulator_is_compiled(profile):
-            output.note("compiling the emulated drive, once on this machine: a few seconds")
         with serve(
             profile,
             endpoints or [Endpoint("serial"), Endpoint("slcan")],

@@ -54,6 +54,7 @@ from benchtool.shipped import shipped
 if TYPE_CHECKING:
     from benchtool.emulator.servers.serial import SerialServer
 
+_COMPILING = "compiling the emulated drive, once on this machine: a few seconds"
 _channels = itertools.count(1)
 
 
@@ -74,6 +75,7 @@ class EmulatedBench:
         speed, step_s, catch_up_s: of a paced clock, as `VirtualClock` takes them.
         first_tick: the drive's tick at power-up, for a drive that is about to reach 2**32.
         has_bus: the drive is on the virtual CAN bus from power-up. Further wires can be added.
+        note: called with a message before the drive is compiled, at the first tick that needs it.
 
     Raises:
         ProfileError: the profile describes no emulated bench, or a trip level beyond the range of its
@@ -93,10 +95,11 @@ class EmulatedBench:
         catch_up_s: float = 1.0,
         first_tick: int = 0,
         has_bus: bool = True,
+        note: Callable[[str], None] = lambda _: None,
     ) -> None:
         emulator = _emulator_of(profile)
         table = _objects()
-        core = _core(table, profile, emulator, seed, first_tick)
+        core = _core(table, profile, emulator, seed, first_tick, lambda: note(_COMPILING))
         stored = _stored_parameters(profile, emulator)
         node_id = profile.drive.node_id
         self.channel = channel or f"benchtool-{next(_channels)}"
@@ -287,7 +290,14 @@ def _emulator_of(profile: Profile) -> Emulator:
     return profile.emulator
 
 
-def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, first_tick: int) -> Core:
+def _core(
+    table: ObjectTable,
+    profile: Profile,
+    emulator: Emulator,
+    seed: int,
+    first_tick: int,
+    on_compiling: Callable[[], None],
+) -> Core:
     return Core(
         table,
         *_truth(profile, emulator),
@@ -295,6 +305,7 @@ def _core(table: ObjectTable, profile: Profile, emulator: Emulator, seed: int, f
         first_tick=first_tick,
         train=_train(emulator),
         control_period_s=profile.control_period_s,
+        on_compiling=on_compiling,
     )
 
 

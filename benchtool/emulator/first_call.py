@@ -22,12 +22,20 @@ except ImportError:  # Windows: each process compiles by itself
     fcntl = None  # type: ignore[assignment]
 
 
-def call_first(compiled: Callable[..., Any], call: Callable[[], Any]) -> None:
-    """Run `call`, a call of `compiled` that does nothing, unless the process has compiled or loaded it."""
+def call_first(
+    compiled: Callable[..., Any], call: Callable[[], Any], *, on_compiling: Callable[[], None] = lambda: None
+) -> None:
+    """Run `call`, a call of `compiled` that does nothing, unless the process has compiled or loaded it.
+
+    `on_compiling` is called before, if that compiles for some seconds or waits for a process that does.
+    """
     if getattr(compiled, "loaded", True):  # a plain function is: the compiler is switched off
         return
     folder: Path | None = getattr(compiled, "folder", None)
-    alone = _one_process(folder) if folder is not None and not is_cached(compiled) else nullcontext()
+    compiles = not is_cached(compiled)
+    if compiles:
+        on_compiling()
+    alone = _one_process(folder) if folder is not None and compiles else nullcontext()
     with alone, _uncollected():
         call()
 

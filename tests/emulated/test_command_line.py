@@ -114,6 +114,14 @@ def test_limits_that_are_missed_are_exit_code_1(invoke: Invoke, tmp_path: Path) 
     assert json.loads(result.stdout)["verdict"] == "fail"
 
 
+def test_that_the_drive_is_compiled_is_told_only_where_it_is(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("first_call", "core.kernels"):
+        monkeypatch.setattr(f"benchtool.emulator.{module}.is_cached", lambda _: False)
+    assert "compiling" not in invoke("info").stderr  # which runs no tick
+
+
 def test_info_says_who_answers(invoke: Invoke) -> None:
     result = invoke("info", "--json")
     assert result.exit_code == 0, result.output

@@ -55,6 +55,14 @@ def test_what_is_on_disk_is_loaded_by_all_at_once(tmp_path: Path) -> None:
     assert not both.broken
 
 
+@pytest.mark.parametrize(("is_cached", "told"), [(False, ["compiling", "call"]), (True, ["call"])])
+def test_that_it_compiles_is_told_before(tmp_path: Path, is_cached: bool, told: list[str]) -> None:
+    entry = SimpleNamespace(loaded=False, folder=tmp_path, cached=is_cached)
+    seen: list[str] = []
+    call_first(entry, lambda: seen.append("call"), on_compiling=lambda: seen.append("compiling"))  # type: ignore[arg-type]
+    assert seen == told
+
+
 def test_what_is_compiled_is_not_called() -> None:
     called: list[int] = []
     call_first(SimpleNamespace(loaded=True), lambda: called.append(1))  # type: ignore[arg-type]

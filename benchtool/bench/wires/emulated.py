@@ -15,10 +15,8 @@ def emulated(carrier: Callable[[Address], Wire], check: Check) -> Wire:
     """Return the wire to the bench; `carrier` is the one that an address chooses, `check` refuses others."""
 
     def connect(stack: ExitStack, address: Address, opening: Opening) -> Connection:
-        from benchtool.emulator import EmulatedBench, is_compiled
+        from benchtool.emulator import EmulatedBench
 
-        if not is_compiled(opening.profile):
-            opening.note("compiling the emulated drive, once on this machine: a few seconds")
         wire = carrier(address)
         assert wire.host_link is not None
         channel = address.options.get("channel", "")
@@ -30,6 +28,7 @@ def emulated(carrier: Callable[[Address], Wire], check: Check) -> Wire:
             first_tick=opening.first_tick,
             # A named bus may have listeners, even if the host uses another wire.
             has_bus=bool(channel) or wire.carries_frames,
+            note=opening.note,
         )
         stack.callback(bench.close)
         return Connection(bench.clock, wire.host_link(bench, opening), bench=bench)

@@ -82,6 +82,7 @@ class Core:
         control_period_s: T_s, to whole nanoseconds.
         seed: of the measurement noise; the same seed and commands give the same bits, however the ticks are
             divided over calls of `run`.
+        on_compiling: called before the first run, or one after a change of the truth, that compiles.
 
     Raises:
         ValueRefused: the machine has a process too fast to be computed.
@@ -110,7 +111,9 @@ class Core:
         first_tick: int = 0,
         train: TrainTruth = NOTHING,
         control_period_s: float = CONTROL_PERIOD_S,
+        on_compiling: Callable[[], None] = lambda: None,
     ) -> None:
+        self._on_compiling = on_compiling
         self.motor, self.inverter, self.sensors = motor, inverter, sensors
         self._train = train
         self._mirrored = False
@@ -288,7 +291,7 @@ class Core:
         if self._kernel is None or self._kernel[0] is not truth:
             kernel = kernel_of(truth)
             nothing = self._arguments(0, self._noise.ahead())
-            call_first(kernel, lambda: kernel(*nothing))
+            call_first(kernel, lambda: kernel(*nothing), on_compiling=self._on_compiling)
             self._kernel = truth, kernel
         return self._kernel[1]
 
