@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy import fft
@@ -39,6 +40,28 @@ _ONE_LINE_IN = 10  # pairs of sidebands, in which a phase that swings may be
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
+class NoFloor(Enum):
+    """Why the noise between harmonics is not known; the value says it to a reader."""
+
+    FEW_BINS = "fewer than 8 bins are between harmonics: record longer"
+    FEW_PERIODS = (
+        f"the harmonics change, and the differences of fewer than {_FEWEST_PERIODS} periods do not tell a "
+        f"step from noise: record longer"
+    )
+    SILENT = (
+        "the harmonics change, and most periods are the same to the last digit, which have no noise between "
+        "them: record while the signal is on"
+    )
+    BURSTS = (
+        "the harmonics change, and so does the noise, in bursts: what is of either is not told apart; record "
+        "while both are steady"
+    )
+    UNCERTAIN = (
+        "the harmonics change, and the differences between periods are too few to tell the noise beside it: "
+        "record longer, or at a higher rate"
+    )
+
+
 @dataclass(frozen=True)
 class _Differences:
     """Mean square of a bin by the second differences of successive periods, its relative variance, and how
@@ -68,7 +91,7 @@ def without_changes(
     has_stepped: bool,
     follows_signal: bool = False,
     step: float = 0.0,
-) -> NoiseFloor | None:
+) -> NoiseFloor | NoFloor:
     """Return the floor of a spectrum, of these samples, without what harmonics leave in it whose amplitude or
     phase changes.
 
@@ -86,7 +109,9 @@ def without_changes(
     Where they do not have less, they tell how probable it is that a phase that follows the signal over many
     periods has left something; the counts of an angle leave fast errors.
     """
-    if floor is None or samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
+    if floor is None:
+        return NoFloor.FEW_BINS
+    if samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
     of_steps = math.sqrt(step**2 / 3.0 / samples.samples)
     if floor.amplitude < _BESIDE_STEPS * of_steps:
@@ -96,8 +121,8 @@ def without_changes(
     if not changes and not tells_rest:
         return floor
     found = _differences(samples)
-    if found is None:
-        return None if changes else floor
+    if isinstance(found, NoFloor):
+        return found if changes else floor
     from_first = noise_floor(spectrum, 1.0) or floor
     there = from_first.amplitude**2
     if not there > 0.0:
@@ -112,8 +137,10 @@ def without_changes(
     by_differences = found.with_bursts if all_of_them else found.from_first
     if not changes or not 0.0 < by_differences < least * there:
         return floor
-    if found.has_bursts or found.variance > _MOST_VARIANCE:
-        return None
+    if found.has_bursts:
+        return NoFloor.BURSTS
+    if found.variance > _MOST_VARIANCE:
+        return NoFloor.UNCERTAIN
     power, variance = found.power, found.variance
     if not has_stepped:  # of a step something is left beside the fundamental in any phase
         power, variance = _with_lowest(found, spectrum, samples.usable_order)
@@ -163,9 +190,9 @@ def _all_noise(least: float, ratio: float, standard: float) -> float:
     return 0.5 * (1.0 + math.tanh(0.5 * log_odds))
 
 
-def _differences(samples: CoherentSamples) -> _Differences | None:
-    """Return what second differences of successive periods tell of the noise from order 1 on; None where they
-    are too few to tell a step from it, or have nothing in most of the record."""
+def _differences(samples: CoherentSamples) -> _Differences | NoFloor:
+    """Return what second differences of successive periods tell of the noise from order 1 on; a reason where
+    they are too few to tell a step from it, or have nothing in most of the record."""
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
     square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
@@ -177,12 +204,14 @@ def _differences(samples: CoherentSamples) -> _Differences | None:
     if samples.periods < _FEWEST_PERIODS and (
         samples.periods < _FEWEST_BESIDE_A_STEP or _is_more(lower, upper, half)
     ):
-        return None  # a step, the power of whose part of a period falls with the square of the order
+        return (
+            NoFloor.FEW_PERIODS
+        )  # a step, the power of whose part of a period falls with the square of the order
     of_each = np.mean(square, axis=1)
     order = np.argsort(of_each)
     usual = float(of_each[order[len(order) // 8]])  # a step is in three, and the least of many is low
     if not usual > 0.0:
-        return None  # most of the record is silent
+        return NoFloor.SILENT
     quiet = square[order[: max(1, len(order) // 2)]]
     alike = _alike(quiet)
     kept = [index for index, each in enumerate(of_each) if not _is_more(each, usual, alike, _ALIKE)]

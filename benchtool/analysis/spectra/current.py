@@ -19,7 +19,7 @@ from benchtool.analysis.declaration import Analysis, Drawing, Findings, NoSettin
 from benchtool.analysis.drawings import WAVEFORMS
 from benchtool.analysis.measurement import Basis, Measurement, Table
 from benchtool.analysis.noise.noise import NoiseFloor, noise_floor
-from benchtool.analysis.noise.noise_of_periods import without_changes
+from benchtool.analysis.noise.noise_of_periods import NoFloor, without_changes
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.mean_frequency import frequency
 from benchtool.analysis.quantisation.resolution import level_of, resolution
@@ -179,8 +179,8 @@ def _may_beat(found: Separation, errors: LineErrors, step: float) -> bool:
     )
 
 
-def _noise(found: Separation, step: float) -> NoiseFloor | None:
-    """Return the noise floor between the harmonics, None where it is not known."""
+def _noise(found: Separation, step: float) -> NoiseFloor | NoFloor:
+    """Return the noise floor between the harmonics, or why it is not known."""
     quiet, spectrum = found.quiet
     trend, follows_signal = found.steady.trend, found.track.follows_signal
     has_moved = found.track.departure is not None or trend is not None

@@ -7,17 +7,16 @@ from dataclasses import replace
 
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.noise.noise import NoiseFloor
+from benchtool.analysis.noise.noise_of_periods import NoFloor
 from benchtool.analysis.sensitivity import Noise, Sensitivities, Sensitivity
 from benchtool.analysis.statistics.scatter import TOO_SLOW
 from benchtool.analysis.uncertainty import Contribution, combined_by_names
 
-_NO_FLOOR = "fewer than 8 bins are between harmonics, or few periods in which these change: record longer"
-
 
 def noise_numbers(
-    floor: NoiseFloor | None, fundamental_Hz: float, unit: str, channel: str, basis: Basis
+    floor: NoiseFloor | NoFloor, fundamental_Hz: float, unit: str, channel: str, basis: Basis
 ) -> Iterator[Measurement]:
-    """Yield the noise floor of a current and its density; undefined without a `floor`."""
+    """Yield the noise floor of a current and its density; undefined without a floor."""
     which = (
         "bins between the harmonics, from the medians of bands of them / 0.8326 (Rayleigh), or where the "
         "density is steep the means of their squares"
@@ -27,8 +26,8 @@ def noise_numbers(
         ("current_noise_density", f"{unit}/sqrt(Hz)", f"rms per root of the width of a bin, of the {which}"),
     )
     for name, of, text in names:
-        if floor is None:
-            yield Measurement.undefined(name, of, text, _NO_FLOOR, basis)
+        if isinstance(floor, NoFloor):
+            yield Measurement.undefined(name, of, text, floor.value, basis)
             continue
         of_bins = name == "current_noise_floor"
         value = floor.amplitude if of_bins else floor.density

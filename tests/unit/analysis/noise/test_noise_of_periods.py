@@ -13,7 +13,7 @@ from scipy import signal
 from benchtool.analysis import CoherentSamples, CoherentSpectrum, noise_floor
 from benchtool.analysis.coherent.spectrum import spectrum_of
 from benchtool.analysis.noise.noise import NoiseFloor
-from benchtool.analysis.noise.noise_of_periods import without_changes
+from benchtool.analysis.noise.noise_of_periods import NoFloor, without_changes
 from benchtool.analysis.noise.noise_over_time import NoiseOverTime
 from benchtool.analysis.statistics.scatter import MeanError
 from tests.unit.analysis.noise.lines_in_noise import spectrum_of_bins
@@ -24,7 +24,7 @@ _OF_ONE = NoiseFloor(1.0, 10.0, 400, 0.03, 700.0)
 Floats = NDArray[np.float64]
 
 
-def _floors(wave: Floats, periods: int, step: float = 0.0) -> tuple[NoiseFloor, NoiseFloor | None]:
+def _floors(wave: Floats, periods: int, step: float = 0.0) -> tuple[NoiseFloor, NoiseFloor | NoFloor]:
     """Return the plain floor of a wave of so many periods, read in steps, and that without changes."""
     samples = CoherentSamples(wave, periods, float(len(wave)), 10e3)
     spectrum = spectrum_of(samples)
@@ -42,7 +42,7 @@ def _relative(
     wave = size * (np.cos(at + 0.4) + 0.03 * np.cos(5 * at))
     wave += _NOISE * np.random.default_rng(seed).standard_normal(len(at))
     plain, found = _floors(wave, periods)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     truth = 2.0 * _NOISE / np.sqrt(len(at))
     error = (found.amplitude - truth) / (found.relative_error * found.amplitude)
     return plain.amplitude / truth, found.amplitude / truth, error
@@ -107,7 +107,7 @@ def test_a_floor_that_errors_of_readings_may_be_all_of_stays(errors: float, stay
     wave = (1.0 + 0.1 * place) * np.cos(40 * np.pi * place)
     wave += _NOISE * np.random.default_rng(1).standard_normal(len(place))
     plain, found = _floors(wave, 20)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     assert found.amplitude < 0.8 * plain.amplitude
     step = plain.amplitude / errors * np.sqrt(3.0 * len(place))
     assert (_floors(wave, 20, step)[1] == plain) is stays
@@ -119,7 +119,8 @@ def test_the_noise_below_the_first_order_is_as_that_of_the_lowest_orders() -> No
     for seed in range(40):
         place = (np.arange(60 * _PER_PERIOD) + 0.5) / (60 * _PER_PERIOD)
         wave = (1.0 + 0.5 * place) * np.cos(120 * np.pi * place) + _coloured(len(place), _POLE, seed)
-        if found := _floors(wave, 60)[1]:  # in few records it looks like bursts
+        found = _floors(wave, 60)[1]
+        if isinstance(found, NoiseFloor):  # in few records it looks like bursts
             floors.append((found.amplitude, 2.0 * found.of_bins, np.sqrt(2.0 / found.dof)))
     assert len(floors) >= 30
     amplitude, relative, of_dof = np.transpose(floors)
@@ -141,7 +142,7 @@ def test_noise_that_lies_below_the_first_order_shows_beside_the_fundamental() ->
         turns = np.arange(rows) / _PER_PERIOD
         wave = np.cos(2 * np.pi * turns + _WOBBLE_RAD * np.cos(0.5 * np.pi * turns + seed))
         floor, found = _floors(wave + _coloured(rows, pole, seed), 60)
-        if found is not None and found.highest != floor.highest:
+        if isinstance(found, NoiseFloor) and found.highest != floor.highest:
             error.append((found.amplitude / truth - 1.0) / found.of_bins)
             plain.append(found.amplitude / truth)
     assert len(error) >= 20
@@ -157,14 +158,14 @@ def test_noise_whose_level_changes_tells_less_than_noise_of_one_level() -> None:
         level = np.exp(0.2 * random.standard_normal(40))
         noise = _NOISE * np.repeat(level, _PER_PERIOD) * random.standard_normal(len(place))
         found = _floors((1.0 + 0.3 * place) * np.cos(80 * np.pi * place) + noise, 40)[1]
-        if found is not None:
+        if isinstance(found, NoiseFloor):
             truth = 2.0 * np.sqrt(np.mean(noise**2) / len(place))
             error.append((found.amplitude - truth) / (found.of_bins * found.amplitude))
     assert len(error) >= 15
     assert float(np.sqrt(np.mean(np.square(error)))) < 1.4
 
 
-def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | None]:
+def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | NoFloor]:
     found = []
     for seed in range(seeds):
         place = (np.arange(periods * _PER_PERIOD) + 0.5) / (periods * _PER_PERIOD)
@@ -177,14 +178,14 @@ def _floors_of_steps(periods: int, seeds: int, at: float) -> list[NoiseFloor | N
 
 def test_a_step_in_all_differences_of_few_periods_leaves_no_floor() -> None:
     """Of three second differences of five periods all have a part of a step in the third."""
-    assert sum(each is None for each in _floors_of_steps(5, 12, 0.49)) >= 11
+    assert _floors_of_steps(5, 12, 0.49).count(NoFloor.FEW_PERIODS) >= 11
 
 
 def test_the_power_of_many_periods_is_not_that_of_all_but_the_largest() -> None:
     """Against the least of a hundred differences one in ten or twenty is more than chance allows."""
     floors = _floors_of_steps(120, 12, 0.531)
     truth = 2.0 * _NOISE / np.sqrt(120 * _PER_PERIOD)
-    error = [each.amplitude / truth - 1.0 for each in floors if each is not None]
+    error = [each.amplitude / truth - 1.0 for each in floors if isinstance(each, NoiseFloor)]
     assert len(error) == 12
     assert abs(float(np.mean(error))) < 0.005
 
@@ -211,7 +212,7 @@ def _floor_of_coloured(
     spectrum = spectrum_of(samples)
     plain = noise_floor(spectrum, has_moved=follows, follows_signal=follows)
     found = without_changes(plain, spectrum, samples, has_stepped=False, follows_signal=follows)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     place = np.arange(len(spectrum.amplitude))
     between = place[(place % 64 > 1) & (place % 64 < 63)]
     density = 4.0 * _NOISE**2 / np.abs(1.0 - pole * np.exp(-2j * np.pi * between / rows)) ** 2 / rows
@@ -231,7 +232,7 @@ def test_a_step_is_seen_in_few_periods_of_noise() -> None:
     """Of the powers of its differences the low orders have most, as few orders alike would."""
     errors = []
     for each in _floors_of_steps(8, 30, 0.531):
-        assert each is not None
+        assert isinstance(each, NoiseFloor)
         truth = 2.0 * _NOISE / np.sqrt(8 * _PER_PERIOD)
         assert each.amplitude == pytest.approx(truth, rel=0.2)
         errors.append((each.amplitude - truth) / (each.relative_error * each.amplitude))
@@ -244,7 +245,7 @@ def test_one_difference_of_three_periods_tells_no_step_from_noise(phase_rad: flo
     place = (np.arange(3 * _PER_PERIOD) + 0.5) / (3 * _PER_PERIOD)
     wave = np.where(place < 0.66, 1.0, 1.056) * np.cos(6 * np.pi * place + phase_rad)
     wave += _NOISE * np.random.default_rng(3).standard_normal(len(place))
-    assert _floors(wave, 3)[1] is None
+    assert _floors(wave, 3)[1] is NoFloor.FEW_PERIODS
 
 
 def _beside(in_phase: Floats | float, quadrature: Floats | float, periods: int) -> CoherentSpectrum:
@@ -269,7 +270,7 @@ def _white(periods: int, per_period: int = 48, seed: int = 0) -> Floats:
 
 def _apart(
     spectrum: CoherentSpectrum, samples: Floats, given: NoiseFloor | None = _OF_ONE, **how: bool
-) -> NoiseFloor | None:
+) -> NoiseFloor | NoFloor:
     """Return the floor without changes by a spectrum and by samples that need not be those of it."""
     of_samples = CoherentSamples(samples, spectrum.periods, float(len(samples)), 10e3)
     return without_changes(given, spectrum, of_samples, **{"has_stepped": False} | how)
@@ -282,7 +283,7 @@ def test_sidebands_change_where_a_ratio_of_variances_is_no_chance(evenness: floa
     floor = replace(_OF_ONE, over_time=NoiseOverTime(MeanError(0.0, math.inf), evenness))
     for ratio, changes in ((0.97 * quantile, False), (1.03 * quantile, True)):
         for each in (_beside(1.0, ratio, 3), _beside(ratio, 1.0, 3)):
-            assert _apart(each, _white(3), floor) == (None if changes else floor)
+            assert _apart(each, _white(3), floor) == (NoFloor.FEW_PERIODS if changes else floor)
 
 
 def test_what_a_phase_took_along_is_no_change() -> None:
@@ -290,7 +291,7 @@ def test_what_a_phase_took_along_is_no_change() -> None:
     quiet = 0.5 * _white(40)
     assert _apart(taken, quiet, follows_signal=True) == _OF_ONE
     found = _apart(taken, quiet)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     assert found.highest == pytest.approx(0.5, rel=0.05)
 
 
@@ -299,7 +300,7 @@ def test_a_floor_is_that_of_differences_where_these_have_less(has_stepped: bool)
     moved = _beside(1.0, 20.0, 40)
     for size, is_less in ((0.8, True), (1.1, False)):
         found = _apart(moved, size * _white(40), has_stepped=has_stepped)
-        assert found is not None
+        assert isinstance(found, NoiseFloor)
         if not is_less:
             assert found == _OF_ONE
             continue
@@ -320,8 +321,8 @@ def test_the_noise_below_the_first_order_is_in_the_two_orders_around_the_fundame
         for sizes in ((in_phase, quadrature), (quadrature, in_phase)):
             found = _apart(_beside(*sizes, 40), samples)
             plain = _apart(_beside(*sizes, 40), samples, has_stepped=True)
-            assert found is not None
-            assert plain is not None
+            assert isinstance(found, NoiseFloor)
+            assert isinstance(plain, NoiseFloor)
             assert plain.highest == pytest.approx(0.1, rel=0.05)
             more = 0.0 if is_image else 2.0 * (1.0 - 0.01) / 21.6
             assert found.highest**2 == pytest.approx(plain.highest**2 + more, rel=1e-3)
@@ -339,7 +340,7 @@ def test_the_odds_of_noise_go_by_the_distance_from_two_levels() -> None:
     log_odds = []
     for size in (0.7, 0.8, 0.9):
         found = _apart(_beside(1.0, 1.0, 32), size * _white(32), floor, follows_signal=True)
-        assert found is not None
+        assert isinstance(found, NoiseFloor)
         assert replace(found, all_noise=0.5) == floor
         log_odds.append(math.log(found.all_noise / (1.0 - found.all_noise)))
     assert log_odds[1] == pytest.approx(0.0, abs=1.0)
@@ -352,20 +353,23 @@ def test_noise_in_bursts_is_no_step(loud: int, is_told: bool) -> None:
     samples = 0.5 * _white(40).reshape(40, -1)
     samples[20 : 20 + loud] *= 50.0
     found = _apart(_beside(1.0, 20.0, 40), samples.ravel(), has_stepped=True)
-    assert (found is not None) is is_told
+    assert isinstance(found, NoiseFloor) if is_told else found is NoFloor.BURSTS
 
 
 @pytest.mark.parametrize(("periods", "is_told"), [(6, False), (7, True)])
 def test_a_step_in_the_middle_leaves_two_of_five_differences(periods: int, is_told: bool) -> None:
     truth = 2.0 * _NOISE / math.sqrt(periods * _PER_PERIOD)
     for found in _floors_of_steps(periods, 6, 0.49):
-        assert (found is not None) is is_told
-        assert found is None or found.amplitude == pytest.approx(truth, rel=0.25)
+        if not is_told:
+            assert found is NoFloor.FEW_PERIODS
+            continue
+        assert isinstance(found, NoiseFloor)
+        assert found.amplitude == pytest.approx(truth, rel=0.25)
 
 
 def test_eight_samples_of_a_period_have_orders_to_tell_changes_by() -> None:
     found = _apart(_beside(1.0, 20.0, 40), 0.5 * _white(40, 8), has_stepped=True)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     assert found.highest == pytest.approx(0.5, rel=0.1)
 
 
@@ -381,7 +385,7 @@ def test_below_the_first_order_is_as_much_as_in_the_mean_of_the_first_three() ->
     power = {}
     for order in (2, 3, 4, 21):
         found = _apart(moved, _in_order(order, phasors), has_stepped=True)
-        assert found is not None
+        assert isinstance(found, NoiseFloor)
         power[order] = found.highest**2
     assert power[21] == pytest.approx(power[4])
     for order in (2, 3):
@@ -393,15 +397,15 @@ def test_noise_of_the_amplitude_alone_is_none_of_the_floor() -> None:
     moved, samples = _beside(1.0, 20.0, 40), 0.5 * _white(40)
     swings = _in_order(1, np.random.default_rng(5).standard_normal(40))
     still, found = (_apart(moved, each, has_stepped=True) for each in (samples, samples + swings))
-    assert still is not None
-    assert found is not None
+    assert isinstance(still, NoiseFloor)
+    assert isinstance(found, NoiseFloor)
     assert found.highest == pytest.approx(still.highest, rel=0.02)
 
 
 def test_five_differences_of_one_order_are_enough() -> None:
     """They overlap, as 5 / (35 / 18) of them, and are of one size."""
     found = _apart(_beside(1.0, 20.0, 7), _in_order(5, np.tile([1.0, -1.0], 4)[:7]), has_stepped=True)
-    assert found is not None
+    assert isinstance(found, NoiseFloor)
     assert found.dof == pytest.approx(2.0 * (5.0 * 18.0 / 35.0 + 1.0))
 
 
@@ -412,7 +416,7 @@ def test_bursts_are_noise_of_a_phase_that_was_followed() -> None:
         bursts = samples.copy()
         bursts[10 : 10 + loud] *= 4.0
         found = _apart(_beside(1.0, 1.0, 40), bursts.ravel(), floor, follows_signal=True)
-        assert found is not None
+        assert isinstance(found, NoiseFloor)
         odds.append(found.all_noise)
     assert odds[0] < 0.05 < 0.95 < odds[1]
 
@@ -420,9 +424,9 @@ def test_bursts_are_noise_of_a_phase_that_was_followed() -> None:
 @pytest.mark.parametrize("has_stepped", [False, True])
 def test_a_current_that_stops_has_no_floor(has_stepped: bool) -> None:
     samples = _white(40) * (np.arange(40 * _PER_PERIOD) < 12 * _PER_PERIOD)
-    assert _apart(_beside(1.0, 20.0, 40), samples, has_stepped=has_stepped) is None
+    assert _apart(_beside(1.0, 20.0, 40), samples, has_stepped=has_stepped) is NoFloor.SILENT
     assert _apart(_beside(1.0, 1.0, 40), samples) == _OF_ONE
-    assert _apart(_beside(1.0, 1.0, 40), samples, None) is None
+    assert _apart(_beside(1.0, 1.0, 40), samples, None) is NoFloor.FEW_BINS
     follows = replace(_OF_ONE, least=0.6)
     assert _apart(_beside(1.0, 1.0, 40), samples, follows, follows_signal=True) == follows
     silent = spectrum_of_bins(np.zeros(40 * 21, dtype=np.complex128), 40)
@@ -435,5 +439,5 @@ def test_noise_in_bursts_that_all_differences_have_is_the_floor() -> None:
     bursts = white.copy()
     bursts[[5, 14, 22, 31]] *= 3.0
     bursts *= float(np.std(white) / np.std(bursts))
-    assert _apart(_beside(1.0, 20.0, 40), 0.5 * bursts.ravel()) is None
+    assert _apart(_beside(1.0, 20.0, 40), 0.5 * bursts.ravel()) is NoFloor.BURSTS
     assert _apart(_beside(1.0, 20.0, 40), 1.2 * bursts.ravel()) == _OF_ONE
