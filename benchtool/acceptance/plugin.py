@@ -85,13 +85,17 @@ def pytest_configure(config: pytest.Config) -> None:
     if not config.getoption("--bench"):
         return
     from benchtool.errors import BenchError
+    from benchtool.recording import require_empty
 
+    is_worker = hasattr(config, "workerinput")
     try:
         settings = _settings(config)
+        if not (is_worker or settings.bare or config.getoption("collectonly")):
+            require_empty(settings.out)  # an earlier session is evidence
     except BenchError as refused:
         raise pytest.UsageError("\n".join((str(refused), *getattr(refused, "__notes__", ())))) from None
     config.stash[_SETTINGS] = settings
-    if not hasattr(config, "workerinput"):
+    if not is_worker:
         from benchtool.acceptance.session_log import SessionLog
 
         config.pluginmanager.register(SessionLog(settings, config), f"{NAME}.session")

@@ -128,7 +128,7 @@ class SessionLog:
         )
         files += [page] if document is None else [page, document]
         attached = {out / each.path for test in record.tests for each in test.attachments}
-        enlist(out, [*files, *(path for path in sorted(attached) if path.is_file())])
+        enlist(out, [*files, *sorted(path for path in attached if path.exists())])
         return page
 
 

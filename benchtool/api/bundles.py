@@ -200,8 +200,9 @@ def write_report(
 def _report_of(folder: Path) -> Report:
     """Return the report of what a folder holds: a commissioning, an acceptance session, or runs."""
     from benchtool.commission import read_commissioning
+    from benchtool.recording import SESSION
     from benchtool.report.assembly import commissioning_report, run_report, session_report
-    from benchtool.results import SESSION, earlier_sessions, read_session, recorded_runs
+    from benchtool.results import earlier_sessions, read_session, recorded_runs
 
     if (folder / SESSION).is_file():
         record = read_session(folder)

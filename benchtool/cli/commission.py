@@ -42,7 +42,7 @@ from benchtool.commission import (
 from benchtool.drive import Capability, Identity
 from benchtool.errors import DriveError, LinkError, RecordingError, UsageError
 from benchtool.profile import eds_path, load_profile, profile_path
-from benchtool.recording import Conditions, Manifest, enlist, require_unchanged, write_whole
+from benchtool.recording import Conditions, Manifest, enlist, require_empty, require_unchanged, write_whole
 from benchtool.report import write_report
 from benchtool.report.assembly import commissioning_report
 from benchtool.run import bundle_folder, manifest_of
@@ -121,6 +121,8 @@ def commission(
         require_unchanged(resume, [resume / _REPORT])
     if out is not None and not dry_run and step_bundles(out):
         raise UsageError(f"--out {out} holds a commissioning: name another folder, or --resume {out}")
+    if out is not None and not dry_run:
+        require_empty(out)
     travel_rad = _travel_rad(travel)
     output = Output(as_json=as_json)
     when = options.wall_time()
@@ -299,7 +301,8 @@ def _written(folder: Path, profile: str, done: Commissioning, *, pdf: bool) -> d
     content = document(done, profile=made[0], bundle=folder, report=folder / _REPORT)
     page, paper = write_report(commissioning_report(content, step_bundles(folder)), folder / _REPORT, pdf=pdf)
     write_whole(made[1], (json.dumps(content, indent=2, allow_nan=False) + "\n").encode("utf-8"))
-    enlist(folder, [*made, page, *([] if paper is None else [paper])])
+    steps = [bundle.directory for bundle in step_bundles(folder)]
+    enlist(folder, [*made, page, *([] if paper is None else [paper]), *steps])
     return content
 
 

@@ -12,7 +12,7 @@ from benchtool.cli.output import Output, warn_incomplete, warn_overdue, warn_uns
 from benchtool.commission import KeptCommissioning, read_commissioning
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import worst
-from benchtool.recording import enlist, require_unchanged
+from benchtool.recording import SESSION, enlist, require_unchanged
 from benchtool.report import Report, report_files, write_report as write_documents
 from benchtool.report.assembly import (
     case_label,
@@ -22,7 +22,6 @@ from benchtool.report.assembly import (
     write_pictures,
 )
 from benchtool.results import (
-    SESSION,
     earlier_sessions,
     overdue_text,
     read_session,

@@ -21,8 +21,8 @@ from benchtool.cli.run_views import RunViews
 from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
-from benchtool.recording import require_file, require_own, write_whole
-from benchtool.results import RunResult
+from benchtool.recording import enlist, require_file, require_own, write_whole
+from benchtool.results import RunResult, recorded_bundles
 from benchtool.run import RunInfo, bundle_folder, check_plan, run_plan
 
 
@@ -67,6 +67,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
                 from benchtool.results import recorded_runs
 
                 write_junit(recorded_runs(folder), chosen.junit)
+        enlist(folder, [each.directory for each in recorded_bundles(folder)])
         output.line(f"report with figures: benchtool report {shlex.quote(str(folder))}", "dim")
         if chosen.page is not None:
             _write_page(chosen.page, name, [(each, results[each.label]) for each in todo])

@@ -9,9 +9,16 @@ from typing import Any, Final
 from benchtool.commission.recorder import DETAILS, step_bundles
 from benchtool.commission.results import StepVerdict
 from benchtool.errors import RecordingError, UsageError
-from benchtool.recording import MANIFEST, Bundle, read_manifest, read_sealed_json, require_listed
+from benchtool.recording import (
+    COMMISSIONING,
+    MANIFEST,
+    Bundle,
+    read_manifest,
+    read_sealed_json,
+    require_listed,
+)
 
-DOCUMENT: Final = "commissioning.json"
+DOCUMENT: Final = COMMISSIONING
 
 
 @dataclass(frozen=True)

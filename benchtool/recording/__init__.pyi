@@ -24,7 +24,9 @@ from .files import (
     write_whole as write_whole,
 )
 from .integrity import (
+    COMMISSIONING as COMMISSIONING,
     HASHES as HASHES,
+    SESSION as SESSION,
     Integrity as Integrity,
     bundles_in as bundles_in,
     enlist as enlist,

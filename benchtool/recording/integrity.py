@@ -1,12 +1,14 @@
 """Integrity of the files of a recording, by size and SHA-256.
 
 A bundle's manifest has the hashes of its files and a seal of its own, and is not touched after that. Files
-made later, such as figures and reports, have their hashes in `hashes.json` in the same folder. If the process
-was killed, `data/checkpoints.log` states how far each file was acknowledged.
+made later, such as figures and reports, have their hashes in `hashes.json` in the same folder. In a folder of
+several bundles that has those of their manifests, too, so that a bundle that was taken away is missed. If the
+process was killed, `data/checkpoints.log` states how far each file was acknowledged.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,12 +25,19 @@ from benchtool.recording.seal import SEAL, FileHash, hash_of, read_sealed_json, 
 from benchtool.recording.stream_file import DATA, FINISHED, RUNNING
 
 HASHES: Final = "hashes.json"
+COMMISSIONING: Final = "commissioning.json"
+"""What a commissioning found, in its folder."""
+SESSION: Final = "session.json"
+"""The record of an acceptance session, in its folder."""
+
 _MISSING: Final = "No such file"
+_UNSEALED: Final = f"it has no hash in {HASHES}, so that it cannot be told from another"
 _DIFFERS: Final = "its SHA-256 differs from that of the recorded file"
 _BEFORE_ANOTHER: Final = (
     "new hashes would hide that, so nothing is written; restore it from a copy, move it away, or write "
     "elsewhere"
 )
+_DOCUMENTS: Final = (COMMISSIONING, SESSION)
 _OWN: Final = (MANIFEST, HASHES, CHECKPOINTS.as_posix())
 
 
@@ -59,7 +68,7 @@ def verify(folder: Path) -> Integrity:
     Raises:
         RecordingError: the folder holds no recording.
     """
-    bundles = [] if _has_hashes_alone(folder) else bundles_in(folder)
+    bundles = [] if _has_documents_alone(folder) else bundles_in(folder)
     above = [] if folder in bundles else dict.fromkeys((folder, *(bundle.parent for bundle in bundles)))
     found = [(bundle, _check_recorded(bundle)) for bundle in bundles]
     made = [(place, _check_made(place)) for place in (*bundles, *above)]
@@ -73,15 +82,18 @@ def verify(folder: Path) -> Integrity:
     known = {name(place, file) for place, each in made for file in each.extents}
     unlisted = {name(place, file) for place, each in (*found, *made) for file in each.unlisted}
     sealed = all(each.sealed for _, each in found)
-    compared = sum(each.compared for _, each in (*found, *made))
+    compared = sum(each.compared for _, each in (*found, *made)) - sum(
+        name(bundle, MANIFEST) in known for bundle in bundles
+    )
     return Integrity(
         sealed, damaged, tuple(sorted(unlisted - known)), compared=compared, has_bundles=bool(bundles)
     )
 
 
-def _has_hashes_alone(folder: Path) -> bool:
-    """Return whether a folder has hashes of its files, and no bundle in it."""
-    return (folder / HASHES).is_file() and not _manifests(folder)
+def _has_documents_alone(folder: Path) -> bool:
+    """Return whether a folder has documents that are made of bundles, or hashes of them, and no bundle."""
+    has_documents = any((folder / name).is_file() for name in (HASHES, *_DOCUMENTS))
+    return has_documents and not _manifests(folder)
 
 
 def _manifests(folder: Path) -> list[Path]:
@@ -153,13 +165,16 @@ def require_listed(folder: Path, name: str) -> None:
 
 
 def enlist(folder: Path, paths: Iterable[Path]) -> None:
-    """Store the hashes of files made of a recording in its folder; other files are ignored.
+    """Store the hashes of files made of a recording in its folder; others are ignored. Of a folder among the
+    paths they are those of the manifests of its bundles, which from then on belong to the recording.
 
     Raises:
         RecordingError: a file cannot be read, the hashes cannot be read or written, or another file does not
             fit its hash.
     """
-    files = {name: hash_of(path) for name, path in _inside(folder, paths).items()}
+    listed = itertools.chain.from_iterable(_manifests(path) if path.is_dir() else [path] for path in paths)
+    inside = {name: path for name, path in _inside(folder, listed).items() if name != MANIFEST}
+    files = {name: hash_of(path) for name, path in inside.items()}
     if files:
         _require_fitting(folder, {name: each for name, each in _hashes(folder).items() if name not in files})
         document = _Hashes(files=_hashes(folder) | files).model_dump()
@@ -189,7 +204,10 @@ def _check_made(folder: Path) -> Integrity:
     unlisted = () if (folder / MANIFEST).is_file() else tuple(name for name in names if name not in _OWN)
     sizes_B = {name: each.size_B for name, each in files.items()}
     compared = len(files) + (folder / HASHES).is_file()
-    return Integrity(True, dict(_differing(folder, files)), unlisted, sizes_B, compared)
+    damaged = dict(_differing(folder, files)) | {
+        name: _UNSEALED for name in _DOCUMENTS if name in unlisted and name not in files
+    }
+    return Integrity(True, damaged, unlisted, sizes_B, compared)
 
 
 def _check_running(directory: Path) -> Integrity:

@@ -71,7 +71,6 @@ from .runs import (
     repeated_cases as repeated_cases,
 )
 from .sessions import (
-    SESSION as SESSION,
     Attachment as Attachment,
     Judged as Judged,
     Outcome as Outcome,

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
@@ -16,10 +16,7 @@ from benchtool.document import Array, Section
 from benchtool.errors import RecordingError
 from benchtool.misfits import explain
 from benchtool.plan import JudgedLimit, Limit, Verdict, worst
-from benchtool.recording import Conditions, read_sealed_json, write_json
-
-SESSION: Final = "session.json"
-"""The record of a session, in its folder."""
+from benchtool.recording import SESSION, Conditions, read_sealed_json, write_json
 
 _SCHEMA = 1
 

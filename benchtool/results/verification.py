@@ -12,12 +12,12 @@ from benchtool import __version__
 from benchtool.analysis import measurements_to_json, tables_to_json
 from benchtool.errors import AnalysisError, NoSuchRecording, RecordingError
 from benchtool.file_kinds import FileKind, mistaken
-from benchtool.recording import HASHES, MANIFEST, Bundle, bundles_in, verify
+from benchtool.recording import HASHES, MANIFEST, SESSION, Bundle, bundles_in, verify
 from benchtool.results.assessment import Assessment
 from benchtool.results.case_assessment import assess_bundle
 from benchtool.results.incomplete import cut_short
 from benchtool.results.runs import incomplete_runs, is_planned
-from benchtool.results.sessions import SESSION, differing_verdicts, read_session
+from benchtool.results.sessions import differing_verdicts, read_session
 from benchtool.results.tables import assess_table_again, is_measurable
 
 _KEPT: Final = (MANIFEST, HASHES)

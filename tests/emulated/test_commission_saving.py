@@ -30,6 +30,7 @@ from benchtool.live import names
 from benchtool.profile import load_profile
 from benchtool.recording import Conditions, Manifest
 from benchtool.report.assembly import CAPTURES, LOOPS
+from benchtool.results import verify_run
 from benchtool.run import manifest_of
 from tests.unit.live.readback import Recording
 
@@ -285,6 +286,11 @@ def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_g
     again = CliRunner().invoke(app, [*command, "--out", folder])
     assert again.exit_code == 2
     assert "holds a commissioning" in again.output
+    (tmp_path / "profile.toml").write_text("mine")
+    beside = CliRunner().invoke(app, [*command, "--out", str(tmp_path)])
+    assert beside.exit_code == 3
+    assert "has content" in beside.output
+    assert (tmp_path / "profile.toml").read_text() == "mine"
 
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
@@ -293,6 +299,9 @@ def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_g
     cut = CliRunner().invoke(app, [*command, "--resume", folder])
     assert cut.exit_code == 130
     assert "2 steps are done: go on with --resume" in cut.output
+    assert verify_run(Path(folder)).holds
+    shutil.rmtree(Path(folder) / "preflight")
+    assert list(verify_run(Path(folder)).damaged) == ["preflight/manifest.json"]
 
 
 @pytest.mark.usefixtures("blank_pictures")

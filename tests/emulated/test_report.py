@@ -18,6 +18,7 @@ from typer.testing import CliRunner, Result
 
 from benchtool.cli import app
 from benchtool.recording.seal import write_json
+from benchtool.results import verify_run
 from benchtool.shipped import shipped
 
 PLAN = (shipped("profiles") / "zhu2011" / "ripple.toml").read_text(encoding="utf-8")
@@ -167,6 +168,13 @@ def test_the_first_page_says_what_was_tested_and_by_whom(demo: Path) -> None:
     assert "operator A. Ampère" in front
     assert re.search(r"Undecided: torque_ripple_pp is .* probability of conformance 0\.\d+", front)
     assert "guard band U (95 %)" in front
+
+
+def test_a_plan_that_was_taken_away_is_missed(recorded: Path, tmp_path: Path) -> None:
+    plans = Path(shutil.copytree(recorded / "plans", tmp_path / "plans"))
+    assert verify_run(plans).holds
+    shutil.rmtree(plans / "one")
+    assert list(verify_run(plans).damaged) == ["one/manifest.json"]
 
 
 @blank

@@ -11,7 +11,7 @@ from benchtool.analysis import NOTHING, count_of, number, raw
 from benchtool.errors import RecordingError
 from benchtool.plan import Verdict
 from benchtool.profile import Profile
-from benchtool.recording import hash_of, reading
+from benchtool.recording import SESSION, hash_of, reading
 from benchtool.report import content
 from benchtool.report.assembly.front import ROLES, equipment, motor_rating
 from benchtool.report.content import Cell, Facts, Grid, Item, Mark, Picture, Report, Section, Signatures, Text
@@ -19,7 +19,7 @@ from benchtool.report.figures.session import figure_of_png
 from benchtool.report.figures.trend import Point, Trend, draw_trend
 from benchtool.report.provenance import drive_numbers, profile_of_text
 from benchtool.report.results import bounds_of, conformance_of, judged_value, mark
-from benchtool.results import SESSION, Judged, Outcome, SessionRecord, SuiteScore, TestRecord, values_of
+from benchtool.results import Judged, Outcome, SessionRecord, SuiteScore, TestRecord, values_of
 
 _UNSTATED: Final = "not stated"
 _MARKS: Final[dict[Outcome, Mark]] = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,7 +14,8 @@ from benchtool.acceptance.session_log import SessionLog
 from benchtool.acceptance.settings import Settings, require_usable
 from benchtool.errors import RecordingError, UsageError
 from benchtool.plan import Verdict
-from benchtool.results import SESSION, Outcome, read_session, verify_run
+from benchtool.recording import SESSION
+from benchtool.results import Outcome, read_session, verify_run
 
 from .nested import Ran, run_pytest
 
@@ -154,6 +156,21 @@ def test_the_record_is_sealed_and_verified(ran: Ran, place: Path) -> None:
         (folder / SESSION).write_bytes(content)
 
 
+def test_a_session_without_hashes_is_not_told_from_another(ran: Ran, place: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(place / "out", tmp_path / "out"))
+    (folder / "hashes.json").unlink()
+    assert "no hash" in verify_run(folder).damaged[SESSION]
+
+
+def test_an_earlier_session_is_not_replaced(ran: Ran, place: Path) -> None:
+    stored = (place / "out" / SESSION).read_bytes()
+    words = ("--bench", "zhu2011", "--bench-out", str(place / "out"))
+    again = run_pytest(place, "def test_it(measure):\n    measure('x', 1.0, below=2.0)\n", *words)
+    assert again.code == pytest.ExitCode.USAGE_ERROR
+    assert "has content" in again.text
+    assert (place / "out" / SESSION).read_bytes() == stored
+
+
 def test_the_first_page_has_what_is_signed(ran: Ran, place: Path) -> None:
     page = (place / "out" / "report.html").read_text(encoding="utf-8")
     above, signed, below = page.partition("Tested by")
@@ -216,6 +233,8 @@ def test_an_operating_point_that_is_not_reached_fails(tmp_path: Path) -> None:
     (bundle,) = [each for each in ran["test_it"].attachments if each.name != "log"]
     assert (tmp_path / "out" / bundle.path / "manifest.json").is_file()
     assert verify_run(tmp_path / "out").holds
+    shutil.rmtree(tmp_path / "out" / bundle.path)
+    assert list(verify_run(tmp_path / "out").damaged) == [f"{bundle.path}/manifest.json"]
 
 
 def test_a_file_of_waivers(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from benchtool.block import Block, Channel
 from benchtool.errors import RecordingError
 from benchtool.recording import (
+    COMMISSIONING,
+    SESSION,
     Bundle,
     BundleWriter,
     Event,
@@ -236,6 +239,36 @@ def test_what_was_made_of_several_bundles_has_hashes_of_its_own(tmp_path: Path) 
         path.write_bytes(whole)
     with pytest.raises(RecordingError, match="holds no run bundle"):
         verify(plot.parent)
+
+
+def test_a_bundle_that_belongs_to_a_folder_is_missed(tmp_path: Path) -> None:
+    for name in ("one", "two/first"):
+        _finished(tmp_path / name)
+    without = verify(tmp_path).compared
+    enlist(tmp_path, [tmp_path / "one", tmp_path / "two"])
+    assert not verify(tmp_path).damaged
+    assert verify(tmp_path).compared == without + 1  # each file once, and the hashes
+    shutil.rmtree(tmp_path / "two")
+    assert list(verify(tmp_path).damaged) == ["two/first/manifest.json"]
+    shutil.rmtree(tmp_path / "one")
+    assert len(verify(tmp_path).damaged) == 2
+
+
+def test_a_lone_bundle_has_no_hash_of_its_manifest(tmp_path: Path) -> None:
+    """Which has a seal, and bears the hashes of all others."""
+    _finished(tmp_path)
+    stored = (tmp_path / "hashes.json").read_bytes()
+    enlist(tmp_path, [tmp_path])
+    assert (tmp_path / "hashes.json").read_bytes() == stored
+
+
+@pytest.mark.parametrize("name", [COMMISSIONING, SESSION])
+def test_a_document_of_bundles_without_a_hash_is_not_told_from_another(tmp_path: Path, name: str) -> None:
+    _finished(tmp_path / "one")
+    (tmp_path / name).write_bytes(b"{}")
+    assert "no hash" in verify(tmp_path).damaged[name]
+    enlist(tmp_path, [tmp_path / name])
+    assert not verify(tmp_path).damaged
 
 
 def test_hashes_of_new_files_never_hide_that_another_was_changed(tmp_path: Path) -> None:
