@@ -18,9 +18,10 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import number
+from benchtool.analysis import number, undefined, without_uncertainty
 from benchtool.bench import Session, open_session
 from benchtool.cli import live_views, options
+from benchtool.cli.fitting import named
 from benchtool.cli.output import Output
 from benchtool.commission import (
     DOCUMENT,
@@ -320,6 +321,10 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     if rows:
         headings = ("estimate", ">value", "unit", ">nameplate", ">%")
         output.table(f"commissioning of {profile}", headings, rows)
+    for why, names in undefined(done.estimates.values()).items():
+        output.sentence(f"undefined: {named(names)}: {why}", "dim")
+    for why, names in without_uncertainty(done.estimates.values()).items():
+        output.sentence(f"without ±: {named(names)}: {why}", "dim")
     for result in done.results:
         output.sentence(result.reason or "done", lead=f"{result.name}: {result.verdict.value}, ")
     for finding in (each for result in done.results for each in result.findings):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import re
@@ -9,6 +10,7 @@ import shutil
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +18,18 @@ import pytest
 from typer.testing import CliRunner
 
 import benchtool
-from benchtool.analysis import analyze_response
+from benchtool.analysis import Measurement, analyze_response
 from benchtool.bench.session import Session, open_session
 from benchtool.cli import app
-from benchtool.commission import StepRecorder, StepVerdict, commission, step_bundles, steps_for
+from benchtool.commission import (
+    Commissioning,
+    StepRecorder,
+    StepResult,
+    StepVerdict,
+    commission,
+    step_bundles,
+    steps_for,
+)
 from benchtool.commission.saving import save, trial
 from benchtool.commission.steps.current_control import CurrentControl
 from benchtool.commission.steps.speed_control import SpeedControl
@@ -302,6 +312,25 @@ def test_a_folder_holds_one_commissioning_and_an_interrupted_one_says_where_to_g
     assert verify_run(Path(folder)).holds
     shutil.rmtree(Path(folder) / "preflight")
     assert list(verify_run(Path(folder)).damaged) == ["preflight/manifest.json"]
+
+
+def test_why_a_number_is_not_told_stands_below_the_table(
+    boxed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cli_commission = importlib.import_module("benchtool.cli.commission")  # of which the verb has the name
+    real = cli_commission.run
+
+    def with_friction(*arguments: Any, **named: Any) -> Commissioning:
+        done = real(*arguments, **named)
+        lost = {"friction": Measurement.undefined("friction", "Nms", "of a slope", "within its scatter")}
+        return replace(done, results=(*done.results, StepResult("mechanics", (), StepVerdict.PASS, "", lost)))
+
+    monkeypatch.setattr(cli_commission, "run", with_friction)
+    told = CliRunner().invoke(
+        app, ["commission", "preflight", "--profile", boxed, "--yes", "--out", str(tmp_path / "a")]
+    )
+    assert told.exit_code == 0, told.output
+    assert "undefined: friction: within its scatter" in told.output
 
 
 @pytest.mark.usefixtures("blank_pictures")
