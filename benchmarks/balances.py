@@ -21,7 +21,7 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.figures import print_figures
-from benchtool.analysis import Window
+from benchtool.analysis import Instruments, Window
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
@@ -111,13 +111,15 @@ def _play(core: Core, plan: Plan) -> None:
     core.stimulus.state = StimulusState.RUNNING
 
 
-def estimates(block: Block, motor: Motor) -> tuple[Deviation, ...]:
-    """Return every estimate of a capture beside its belief."""
+def estimates(block: Block, profile: Profile) -> tuple[Deviation, ...]:
+    """Return every estimate of a capture beside its belief, with the sensors that the profile states."""
+    motor = profile.motor
     window = Window.of(block, motor)
-    found = [
+    measured = [
         *FLUX_BALANCE.measure(window, FluxBalanceSettings()).measurements,
         *MOTION_BALANCE.measure(window, MotionBalanceSettings()).measurements,
     ]
+    found = Instruments(profile.bench, [block]).applied(measured)
     believed = {name: float(getattr(motor, key)) for name, key in BELIEVED.items()}
     return deviations(found, believed, motor, U_DC)
 
@@ -198,7 +200,7 @@ def naming(draws: int, seed: int) -> Iterator[tuple[str, bool, bool]]:
         name = NINE[draw % len(NINE)]
         bench, size = one_wrong(name, profile.motor, rng)
         try:
-            found = estimates(capture(profile, plan, bench, draw), profile.motor)
+            found = estimates(capture(profile, plan, bench, draw), profile)
         except AnalysisError:
             yield name, False, False
             continue
@@ -218,7 +220,7 @@ def errors(draws: int, seed: int) -> Iterator[dict[str, float]]:
         true = seen(truth, block)
         yield {
             each.name: (each.estimate.value - true[each.name]) / each.estimate.uncertainty.standard
-            for each in estimates(block, profile.motor)
+            for each in estimates(block, profile)
             if each.told and each.estimate.uncertainty is not None
         }
 
@@ -240,13 +242,16 @@ def error_figures(found: Sequence[Mapping[str, float]]) -> dict[str, object]:
     figures: dict[str, object] = {}
     for name in (*NINE, *(f"current_gain_{phase}" for phase in "abc")):
         z = np.array([each[name] for each in found if name in each])
-        figures[f"z of {name}"] = (
-            f"told {len(z)}, rms {math.sqrt(float(np.mean(z**2))):.2f}, mean {np.mean(z):+.2f}, "
+        figures[f"z of {name}"] = f"told {len(z)}" + (
+            f", rms {math.sqrt(float(np.mean(z**2))):.2f}, mean {np.mean(z):+.2f}, "
             f"within 2u {100.0 * np.mean(np.abs(z) <= 2.0):.1f} %, largest {np.max(np.abs(z)):.1f}"
+            if len(z)
+            else ""
         )
     z = np.array([value for each in found for value in each.values()])
-    figures["z_rms"] = round(math.sqrt(float(np.mean(z**2))), 3)
-    figures["within_2u_percent"] = round(100.0 * float(np.mean(np.abs(z) <= 2.0)), 2)
+    if len(z):
+        figures["z_rms"] = round(math.sqrt(float(np.mean(z**2))), 3)
+        figures["within_2u_percent"] = round(100.0 * float(np.mean(np.abs(z) <= 2.0)), 2)
     return figures
 
 
