@@ -68,13 +68,11 @@ class _Column:
 
 def tables(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> Iterator[Shown]:
     """Yield the tables that columns with these headings take on a terminal of `width` cells, each with the
-    first column."""
+    first column; names give way in the last one, rather than that there are more."""
     texts = zip(columns, *rows, strict=True)
     first, *others = (_Column(place, tuple(each)) for place, each in enumerate(texts))
-    if whole := _fitted([first, *others], width):
-        yield whole
-        return
-    while others:
+    rest = _fitted([first, *others], width)
+    while others and rest is None:
         taken, shown = 1, _fitted([first, others[0]], width) or _too_wide([first, others[0]], width)
         while taken < len(others):
             more = _fitted([first, *others[: taken + 1]], width, _Step.WORDS)
@@ -83,6 +81,9 @@ def tables(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int) ->
             taken, shown = taken + 1, more
         yield shown
         others = others[taken:]
+        rest = _fitted([first, *others], width) if others else None
+    if rest is not None:
+        yield rest
 
 
 def _fitted(columns: Sequence[_Column], width: int, last: _Step = _Step.NAMES) -> Shown | None:

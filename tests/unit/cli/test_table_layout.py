@@ -38,6 +38,13 @@ def test_columns_without_room_stand_in_a_table_below() -> None:
     assert [each.places for each in shown] == [(0, 1, 2, 3), (0, 4, 5, 6)]
 
 
+def test_no_table_of_its_own_is_made_where_names_may_give_way() -> None:
+    columns = ("measurement", ">A", ">B", ">B−A ± U", ">%", "unit")
+    row = (f"{LONG}_rms", "0.0325238", "−0.9 × 10⁻⁴", "(−1.9 ± 2.7) × 10⁻⁴", "−0.0003~", "A/sqrt(Hz)")
+    shown = list(tables(columns, [row], 80))
+    assert [each.places for each in shown] == [(0, 1, 2), (0, 3, 4, 5)]
+
+
 @given(
     rows=st.lists(st.tuples(NAMES, SENTENCES, *[st.sampled_from(NUMBERS)] * 3), min_size=1, max_size=5),
     width=st.sampled_from([60, 80, 100, 140]),
