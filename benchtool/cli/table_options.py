@@ -55,7 +55,9 @@ class TableOptions:
             raise UsageError(f"--from {from_:g} is after --to {to:g}: give the earlier first")
         if len(self.currents) not in (0, 1, len(PHASES)):
             raise UsageError(
-                f"--current is given {len(self.currents)} times: name one current, or those of three phases"
+                f"--current is given {len(self.currents)} times: give it once, for a current by itself, or "
+                f"three times, for phases a, b and c; where two were recorded of a motor without a neutral "
+                f"conductor, the third is -(a + b): add it to the table as a column"
             )
         others = {"torque": self.torque, "angle": self.angle, "speed": self._speed_column}
         phases = dict(zip(PHASES, self.currents, strict=False))

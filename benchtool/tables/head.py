@@ -59,7 +59,8 @@ class Column:
     (`t/s`, `n/(1/min)`; ISO 80000-1:2022, 7.1.4), and of `t in ms`, it is the latter. The cells of a
     column with `stamps` are times of day, perhaps with a date, which count in seconds. `open_sign` may be the
     decimal sign, or stand between thousands. `other_name` is what the head has instead of a unit, where that
-    may be a name; `aliases` are what further lines of the head call the column.
+    may be a name; `aliases` are what further lines of the head call the column. `stated_unit` is what a
+    setting in the head says of columns that have no unit by themselves.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Column:
     open_sign: str = ""
     other_name: str = ""
     aliases: tuple[str, ...] = ()
+    stated_unit: str = ""
 
     def called(self, name: str) -> Column:
         """Return the column by its other name, if `name` is that."""

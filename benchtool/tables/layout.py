@@ -24,6 +24,7 @@ from benchtool.tables.head import (
     units_in,
 )
 from benchtool.tables.long_form import signal_column
+from benchtool.tables.settings import RowDistance, row_distance, settings_of, with_stated_units
 from benchtool.tables.stamps import is_stamp
 from benchtool.tables.units import is_unit
 
@@ -50,7 +51,7 @@ class Layout:
     above the rows that was taken for one of the head.
     `signals` is the number of a column, from 1, that says which signal each row has, 0 without one;
     `is_number_first` is whether the first column is one of numbers. `head_factors` is a line of the head
-    that by its first cell states factors.
+    that by its first cell states factors, `row_distance` what it states of the distance of rows in time.
     """
 
     delimiter: str
@@ -65,6 +66,7 @@ class Layout:
     signals: int = 0
     is_number_first: bool = False
     head_factors: str = ""
+    row_distance: RowDistance | None = None
 
     def with_units(self, units: Sequence[str]) -> Layout:
         """Return the layout with the units that stand in the cells of its columns, in place of the head's."""
@@ -125,6 +127,10 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
             return find_layout(text, source, ",", timed=timed)
         _require_no_split_decimals(last, texts[above.lines], by_column, source)
     named = (*above.columns, *(Column("", "") for _ in range(fit.width - len(above.columns))))
+    filled = _filled(by_column, fit)
+    stating = [bare_line(line) for line in (*in_head, *_settings_aside(cells_of, filled, fit))]
+    settings = settings_of(stating, fit.delimiter)
+    named = with_stated_units(named, settings, filled)
     words = _aside(cells_of, are_rows, fit)
     comments = [line.decode(errors="replace") for line in _sampled(text, lines) if is_comment(line)]
     units = (*units_in([*in_head, *comments], fit.delimiter), *filter(is_unit, words))
@@ -145,6 +151,7 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         head_numbers=above.numbers,
         signals=signal_column(in_rows, fit.numeric),
         is_number_first=fit.numeric[0],
+        row_distance=row_distance(settings, stating, fit.delimiter),
         head_factors=next(filter(lambda line: _are_factors(split(line, fit.delimiter)), in_head), ""),
     )
 
@@ -166,11 +173,7 @@ def _rows(
         not is_comment(line) and fit.is_line_of_row(text) for line, text in zip(lines, texts, strict=True)
     ]
     whole = [_is_whole(cells) for cells in by_column]
-    # a few numbers in a column are those of the head
-    filled = [
-        kept and 2 * sum(map(bool, cells)) > len(cells)
-        for cells, kept in zip(by_column, fit.numeric, strict=True)
-    ]
+    filled = _filled(by_column, fit)
     first = rows.index(True) if any(rows) else 0
     for place in range(first - 1, -1, -1):
         cells = [] if is_comment(lines[place]) else fit.cells(texts[place])
@@ -209,7 +212,9 @@ def _head(texts: Sequence[str], rows: list[bool], fit: Fit, in_rows: Sequence[Se
     if not found.columns and (below := rows_below_names(texts, rows, fit.delimiter, fit.numeric)):
         found = _Head(below, columns_of(texts[:below], fit.delimiter, used, fit.width))
     if found.lines == places[0] and (count := lines_of_head(first, fit.numeric, fit.decimal, fit.delimiter)):
-        lines, numbers = places[count], bare_line(texts[places[count - 1]])[:80]
+        # one with a label where the rows have nothing is of the head by that
+        has_label = is_labelled and first[count - 1][0] and not first[count][0]
+        lines, numbers = places[count], "" if has_label else bare_line(texts[places[count - 1]])[:80]
         columns = columns_of(texts[:lines], fit.delimiter, used, fit.width, is_labelled=is_labelled)
         return _Head(lines, columns, numbers)
     return found
@@ -230,6 +235,23 @@ def _is_open(fit: Fit, by_column: Sequence[Sequence[str]]) -> bool:
     other = "." if fit.decimal == "," else ","
     own = max(use_of(fit.decimal, cells) for cells in kept)
     return Use.NOTHING < own < Use.DECIMALS or any(use_of(other, cells) == Use.EITHER for cells in kept)
+
+
+def _filled(by_column: Sequence[Sequence[str]], fit: Fit) -> tuple[bool, ...]:
+    """Return which columns are filled with numbers: a few in a column are those of the head."""
+    return tuple(
+        kept and 2 * sum(map(bool, cells)) > len(cells)
+        for cells, kept in zip(by_column, fit.numeric, strict=True)
+    )
+
+
+def _settings_aside(sample: Sequence[Sequence[str]], filled: Sequence[bool], fit: Fit) -> Iterator[str]:
+    """Yield what stands before the first column of numbers of a row, as of an oscilloscope that writes its
+    settings beside them."""
+    first = filled.index(True) if any(filled) else 0
+    for cells in sample:
+        if first > 1 and cells[0] and not has_number(cells[0]):
+            yield fit.delimiter.join(cells[:first])
 
 
 def _aside(sample: Sequence[Sequence[str]], are_rows: Sequence[bool], fit: Fit) -> dict[str, None]:

@@ -44,7 +44,7 @@ _ELECTRICAL = re.compile(
     r"|(?<![a-z])(?:theta|omega|phi|w|[θωφ])_?e(?:l|lec)?(?![a-z])",
     re.IGNORECASE,
 )
-_LARGEST_DEVIATION = 0.01  # of a stated speed: a line further away is taken for none of an order
+_LARGEST_DEVIATION = 0.01  # of a stated speed, from lines of its orders, or of a stated distance of rows
 
 
 class RemarkKind(StrEnum):
@@ -67,6 +67,7 @@ class RemarkKind(StrEnum):
     UNIT_ASSUMED = "unit_assumed"
     NUMBERS_IN_HEAD = "numbers_in_head"
     OTHER_HEAD = "other_head"
+    OTHER_INTERVAL = "other_interval"
     TIME_GOES_BACK = "time_goes_back"
     SEVERAL_TABLES = "several_tables"
     TIME_SINCE_1970 = "time_since_1970"
@@ -169,6 +170,19 @@ def other_head(layout: Layout) -> Iterator[Remark]:
             f"counted in the rows, where names may stand above other ones"
         )
         yield Remark(RemarkKind.OTHER_HEAD, "", text)
+
+
+def other_interval(layout: Layout, record: Record) -> Iterator[Remark]:
+    """Yield that the rows have another distance than the head states."""
+    stated, step_s = layout.row_distance, record.base.step_s
+    if stated is None or not step_s > 0.0 or abs(step_s / stated.seconds - 1.0) <= _LARGEST_DEVIATION:
+        return
+    by = "by --rate" if record.question.rate_Hz is not None else "by the time"
+    text = (
+        f"'{stated.line}' in the head puts rows {stated.seconds:g} s apart, and {by} they are {step_s:g} s, "
+        f"on which every frequency rests: state the unit of the time, or the rate, unless rows were left out"
+    )
+    yield Remark(RemarkKind.OTHER_INTERVAL, "time", text)
 
 
 def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:

@@ -66,6 +66,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
         wanted = name
     if number is None:
         hint = speed_hint(wanted) if si_unit == _SPEED else ""
+        parts = wanted.split(",")
+        if not hint and len(parts) > 1 and all(_find(path, layout, part) is not None for part in parts):
+            hint = ", and the option once for each column"
         scaled = _SCALED.fullmatch(wanted)
         if not hint and scaled is not None and _find(path, layout, scaled["name"]) is not None:
             hint = f"; gain and offset follow a unit, as '{scaled['name']}:{si_unit}{scaled['by']}'"
@@ -112,10 +115,13 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
         is_percent = si_unit == _TORQUE and unit.lower() in PERCENT
         of_rated = "; of percent state what 100 % is, as --rated-torque 2" if is_percent else ""
         by = "which its head states" if unit_from == "head" else "as given"
+        counts = "; of a column that counts rows state --rate instead" if si_unit == "s" else ""
+        if counts and layout.row_distance is not None:
+            counts += f", by the head --rate {1.0 / layout.row_distance.seconds:g}"
         raise AnalysisError(
             f"'{unit}' is no unit of column '{wanted}', {by}; expected is one of "
             f"{units_of(si_unit)}: state it in the option, as '{wanted}:{si_unit}', with a gain where "
-            f"one step is another size, as '{wanted}:{si_unit}*0.01'{of_rated}"
+            f"one step is another size, as '{wanted}:{si_unit}*0.01'{of_rated}{counts}"
         )
     if not stated.unit and (match := _FACTOR.search(column.name)):
         raise AnalysisError(
@@ -140,7 +146,9 @@ def _unit(column: Column, si_unit: str) -> tuple[str, str]:
     if column.in_brackets and unit_factor(column.in_brackets, si_unit) is not None:
         return column.in_brackets, "head"
     named = unit_in_name(column.bare_name, si_unit)
-    return (named, "head") if named else (si_unit, "assumed")
+    if named or column.stated_unit:
+        return named or column.stated_unit, "head"
+    return si_unit, "assumed"
 
 
 def _unit_elsewhere(layout: Layout, si_unit: str) -> str:

@@ -136,7 +136,7 @@ SECTIONS: Final = (
         "How CSV files of oscilloscopes, loggers and other programs are read: columns, units, time, missing "
         "and repeated rows (`benchtool.tables`).",
         """
-        0041 0300 0214 0374 0393 0213 0338 0457
+        0041 0357 0300 0214 0374 0393 0213 0338 0457
         0068 0368 0257 0235 0337 0356 0515 0217 0520
         """,
     ),

@@ -207,6 +207,11 @@ def test_a_place_that_is_taken_is_refused_before_anything_is_measured(invoke: In
             2,
             "column 2 of a.csv is asked for as current and torque",
         ),
+        (
+            ("--csv", "a.csv", "--time", "t", "--current", "I", "--current", "t"),
+            2,
+            "three times, for phases a, b and c; where two were recorded of a motor without a neutral",
+        ),
     ],
 )
 def test_mistakes(invoke: Invoke, arguments: tuple[str, ...], code: int, complaint: str) -> None:

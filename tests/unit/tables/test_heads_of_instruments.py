@@ -301,6 +301,15 @@ def test_settings_beside_the_first_rows_take_none_of_them(tmp_path: Path) -> Non
     read(table(tmp_path, "", rows.__getitem__), "4", "5", "6")
 
 
+@pytest.mark.parametrize("head", [YOKOGAWA, YOKOGAWA.rstrip("\n") + "\n"])
+def test_a_labelled_line_of_times_right_above_the_rows_is_of_the_head_by_its_label(
+    tmp_path: Path, head: str
+) -> None:
+    found = table(tmp_path, head, without_time(",", ","))
+    assert found.layout.head_numbers == ""
+    assert found.rows([found.select("CH1", "A")]).data.shape[0] == COUNT
+
+
 def test_units_of_two_labelled_lines_that_differ_are_open(tmp_path: Path) -> None:
     head = "name,t,i,T\nunit,s,mA,Nm\nstored,s,A,Nm\n"
     found = table(tmp_path, head, joined(before=","))
