@@ -321,7 +321,7 @@ def test_why_a_number_is_not_told_stands_below_the_table(
     real = cli_commission.run
 
     def with_friction(*arguments: Any, **named: Any) -> Commissioning:
-        done = real(*arguments, **named)
+        done: Commissioning = real(*arguments, **named)
         lost = {"friction": Measurement.undefined("friction", "Nms", "of a slope", "within its scatter")}
         return replace(done, results=(*done.results, StepResult("mechanics", (), StepVerdict.PASS, "", lost)))
 
