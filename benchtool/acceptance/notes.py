@@ -66,6 +66,20 @@ class Notes:
             path = self.folder / f"{Path(plain).stem}-{number}{Path(plain).suffix}"
         return path
 
+    def keep(self, name: str, file: str, content: bytes) -> Path:
+        """Write a file of this test, which belongs to it under a name, and return its path.
+
+        Raises:
+            RecordingError: it cannot be written.
+        """
+        from benchtool.recording import write_whole, writing
+
+        with writing(self.folder):
+            path = self.path(file)
+        write_whole(path, content)
+        self.attach(name, path)
+        return path
+
     def attach(self, name: str, path: Path) -> None:
         """Have a file or a folder of files belong to this test."""
         from benchtool.results import Attachment
@@ -92,10 +106,7 @@ class Attach:
 
     def text(self, name: str, text: str) -> Path:
         """Keep a text as a file."""
-        path = self._notes.path(name)
-        path.write_text(text, encoding="utf-8")
-        self._notes.attach(name, path)
-        return path
+        return self._notes.keep(name, name, text.encode("utf-8"))
 
     def file(self, path: Path, name: str = "") -> None:
         """Have a file or folder within `folder` belong to the test.
@@ -111,6 +122,4 @@ class Attach:
             return
         from benchtool.report import png
 
-        path = self._notes.path(f"{name}.png")
-        path.write_bytes(png(draw()))
-        self._notes.attach(name, path)
+        self._notes.keep(name, f"{name}.png", png(draw()))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from benchtool.acceptance.waivers import of_marker, waiver_of
+from benchtool.errors import BenchError
 from benchtool.results import Outcome, TestRecord, Waiver
 
 if TYPE_CHECKING:
@@ -87,7 +88,8 @@ def _title(item: pytest.Item) -> str:
 
 
 def _keep_log(notes: Notes, stages: Mapping[str, pytest.TestReport], outcome: Outcome) -> None:
-    """Keep what the drive reported and what the test printed, unless the session is bare."""
+    """Keep what the drive reported and what the test printed, unless the session is bare; a full disk keeps
+    no session from its end."""
     if not notes.pictures:
         return
     parts = ["\n".join(notes.events)] if notes.events else []
@@ -96,6 +98,7 @@ def _keep_log(notes: Notes, stages: Mapping[str, pytest.TestReport], outcome: Ou
         if not report.passed and outcome is not Outcome.NOT_RUN:
             parts.append(f"---- {stage}\n{report.longreprtext}")
     if parts:
-        path = notes.path("log.txt")
-        path.write_text("\n".join(parts) + "\n", encoding="utf-8")
-        notes.attach("log", path)
+        try:
+            notes.keep("log", "log.txt", ("\n".join(parts) + "\n").encode("utf-8"))
+        except BenchError as failed:
+            notes.lines.append(f"its log was not kept: {failed}")

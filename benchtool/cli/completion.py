@@ -19,6 +19,7 @@ from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.cli.verbs import PLAIN
 from benchtool.errors import EnvironmentFailure, UsageError
+from benchtool.recording import write_whole, writing
 
 _ASK: Final = "_BENCHTOOL_COMPLETE=complete_fish _TYPER_COMPLETE_FISH_ACTION=get-args _TYPER_COMPLETE_ARGS"
 _BASH: Final = f"""\
@@ -106,8 +107,7 @@ def install(shell: Named = None, as_json: options.Json = False) -> int:
     output = Output(as_json=as_json)
     chosen = shell or _own_shell()
     script, startup = _script_path(chosen), _startup_path(chosen)
-    script.parent.mkdir(parents=True, exist_ok=True)
-    script.write_text(SCRIPTS[chosen], encoding="utf-8")
+    _write(script, SCRIPTS[chosen])
     if startup is not None:
         line = f"{'.' if chosen in (Shell.POWERSHELL, Shell.PWSH) else 'source'} '{script}'"
         _add_line(startup, line)
@@ -178,6 +178,11 @@ def _add_line(startup: Path, line: str) -> None:
     content = startup.read_text(encoding="utf-8") if startup.is_file() else ""
     if line in content.splitlines():
         return
-    startup.parent.mkdir(parents=True, exist_ok=True)
-    with startup.open("a", encoding="utf-8") as file:
-        file.write(f"{'' if not content or content.endswith(chr(10)) else chr(10)}{line}\n")
+    ended = "" if not content or content.endswith("\n") else "\n"
+    _write(startup, f"{content}{ended}{line}\n")
+
+
+def _write(file: Path, text: str) -> None:
+    with writing(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(file, text.encode("utf-8"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from benchtool.analysis import NOTHING, number, signed
 from benchtool.cli import options
 from benchtool.cli.output import Output
 from benchtool.errors import UsageError
+from benchtool.recording import write_whole
 from benchtool.report import draw_twin
 from benchtool.results import Twin, incomplete_runs, twins
 
@@ -54,7 +56,9 @@ def twin(
     for each in found:
         _show(output, each)
     if figure is not None:
-        draw_twin(found[0]).savefig(figure)
+        drawing = io.BytesIO()
+        draw_twin(found[0]).savefig(drawing, format=figure.suffix.lower().removeprefix("."))
+        write_whole(figure, drawing.getvalue())
         output.line(f"figure: {figure}")
     drawn = {} if figure is None else {"figure": str(figure)}
     output.document({"cases": {each.case: each.to_json() for each in found}, **drawn})

@@ -37,6 +37,11 @@ def test_what_the_drive_believes_wrongly_is_named_with_its_size(tmp_path: Path) 
     for residual in case["residuals"].values():
         assert residual["residual_rms_estimated"] < 0.1 * residual["residual_rms_believed"]
     assert figure.stat().st_size > 10_000
+    full = tmp_path / "full.svg"
+    full.symlink_to("/dev/full")
+    stopped = CliRunner().invoke(app, ["twin", str(run), "--figure", str(full)])
+    assert stopped.exit_code == 3
+    assert f"cannot write {full}: No space left on device" in stopped.stderr
 
     done = CliRunner().invoke(app, ["twin", str(run), "--stream", "telemetry"])
     assert done.exit_code == 2

@@ -237,6 +237,14 @@ def test_an_operating_point_that_is_not_reached_fails(tmp_path: Path) -> None:
     assert list(verify_run(tmp_path / "out").damaged) == [f"{bundle.path}/manifest.json"]
 
 
+def test_a_log_that_cannot_be_kept_ends_no_session(tmp_path: Path) -> None:
+    source = "def test_it(attach):\n    own = attach.folder\n    own.rmdir()\n    own.touch()\n    assert 0\n"
+    ran = run_pytest(tmp_path, source, "--bench", "zhu2011", "--bench-out", str(tmp_path / "out"))
+    assert ran.code == pytest.ExitCode.TESTS_FAILED, ran.text
+    (note,) = ran["test_it"].notes
+    assert note.startswith("its log was not kept: cannot write ")
+
+
 def test_a_file_of_waivers(tmp_path: Path) -> None:
     source = (
         "import pytest\n"
