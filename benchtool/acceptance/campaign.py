@@ -16,6 +16,7 @@ from benchtool.profile import load_profile
 from benchtool.results import Outcome, SuiteScore
 
 LINK: Final = "emulated?wire=serial"
+_INTERRUPTED: Final = 2  # exit code of pytest
 """Of trials: the wire that takes least time."""
 
 
@@ -117,9 +118,13 @@ def conduct_campaign(
         return Campaign(tuple(done))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(max_workers=jobs, mp_context=context) as pool:
-        for ended in as_completed([pool.submit(run_trial, each) for each in todo]):
-            done.append(ended.result())
-            tell(done[-1], len(done), len(todo))
+        try:
+            for ended in as_completed([pool.submit(run_trial, each) for each in todo]):
+                done.append(ended.result())
+                tell(done[-1], len(done), len(todo))
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)  # what waits is not tried any more
+            raise
     order = {(each.mutant, each.profile, each.seed): place for place, each in enumerate(todo)}
     return Campaign(tuple(sorted(done, key=lambda each: order[each.mutant, each.profile, each.seed])))
 
@@ -130,6 +135,9 @@ def run_trial(trial: Trial, only: str = "") -> Trial:
     Args:
         trial: what to run.
         only: expression of pytest's `-k` that chooses tests.
+
+    Raises:
+        KeyboardInterrupt: it was interrupted, of which pytest makes an exit code.
     """
     from benchtool.emulator.mutants import MUTANTS
 
@@ -140,7 +148,9 @@ def run_trial(trial: Trial, only: str = "") -> Trial:
     words += ["-x"] if mutant is not None else []
     words += ["-k", only] if only else []
     with nullcontext() if mutant is None else mutant.applied():
-        _, record = run_suite(words, quiet=True)
+        code, record = run_suite(words, quiet=True)
+    if code == _INTERRUPTED:  # by hand: what was not tried has found nothing
+        raise KeyboardInterrupt
     tests = () if record is None else record.tests
     bad = tuple((each.name, each.reason) for each in tests if each.outcome in (Outcome.FAILED, Outcome.ERROR))
     ran = sum(each.outcome is not Outcome.NOT_RUN for each in tests)

@@ -66,9 +66,13 @@ def run_in_processes(
         min(jobs, len(todo)), context, initializer=begin_worker, initargs=gc.get_threshold()
     ) as pool:
         tasks = [pool.submit(_run, _Task(plan, case, profile_name, folder, info, resume)) for case in todo]
-        for number, done in enumerate(as_completed(tasks), start=1):
-            progress.begin(done.result().case, number, len(todo))
-            progress.note("done")
+        try:
+            for number, done in enumerate(as_completed(tasks), start=1):
+                progress.begin(done.result().case, number, len(todo))
+                progress.note("done")
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)  # cases that wait are not begun any more
+            raise
     results = [task.result() for task in tasks]
     measured = {each.case: each.measurements for each in results}
     return RunResult(tuple(results), over_repetitions(plan, measured))

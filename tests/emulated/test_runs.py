@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import shlex
+from concurrent.futures import Future
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from benchtool.acceptance import conduct_campaign
 from benchtool.bench.session import Session, open_session
 from benchtool.cli.run import RunOptions
 from benchtool.cli.run_plans import _resumption
@@ -303,6 +305,39 @@ def test_a_run_in_processes_records_the_same_bytes(tmp_path: Path) -> None:
         assert one.read_bytes() == two.read_bytes()
     first, second = (each.measurements for each in result.assessments)
     assert first != second, "repetitions differ in their noise"
+
+
+def test_cases_that_wait_are_not_begun_after_an_interruption(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The pool waits for what was submitted, which a second Ctrl-C would be needed for."""
+    cancelled: list[bool] = []
+
+    class Pool:
+        def __init__(self, *_: object, **__: object) -> None: ...
+
+        def __enter__(self) -> Pool:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def submit(self, *_: object) -> Future[None]:
+            return Future()
+
+        def shutdown(self, *, cancel_futures: bool) -> None:
+            cancelled.append(cancel_futures)
+
+    def interrupted(_: object) -> None:
+        raise KeyboardInterrupt
+
+    for module in ("benchtool.run.parallel", "benchtool.acceptance.campaign"):
+        monkeypatch.setattr(f"{module}.ProcessPoolExecutor", Pool)
+        monkeypatch.setattr(f"{module}.as_completed", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_in_processes(SWEEP, "zhu2011", tmp_path / "run", INFO, RunObserver(), jobs=2)
+    with pytest.raises(KeyboardInterrupt):
+        conduct_campaign(["zhu2011"], clean=2, jobs=2, tell=lambda *_: None)
+    assert cancelled == [True, True]
 
 
 def test_a_case_that_fails_in_a_process_names_itself(tmp_path: Path) -> None:

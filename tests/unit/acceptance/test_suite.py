@@ -54,6 +54,20 @@ def test_an_unknown_mutant_is_refused() -> None:
         conduct_campaign(["zhu2011"], clean=0, jobs=1, tell=lambda *_: None, chosen=["nonsense"])
 
 
+def test_what_is_interrupted_ends_the_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a KeyboardInterrupt pytest makes an exit code."""
+
+    def interrupted(*_: object, **__: object) -> tuple[int, None]:
+        tried.append(1)
+        return int(pytest.ExitCode.INTERRUPTED), None
+
+    tried: list[int] = []
+    monkeypatch.setattr("benchtool.acceptance.campaign.run_suite", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        conduct_campaign(["zhu2011"], clean=3, jobs=1, tell=lambda *_: None)
+    assert tried == [1]
+
+
 def test_the_shipped_score_is_that_of_a_good_suite() -> None:
     score = shipped_score()
     assert score is not None
