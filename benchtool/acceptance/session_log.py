@@ -14,7 +14,7 @@ import pytest
 from benchtool.acceptance.settings import Settings
 from benchtool.errors import BenchError
 from benchtool.profile import profile_path
-from benchtool.recording import enlist, software_versions
+from benchtool.recording import enlist, software_versions, writing
 from benchtool.results import (
     Outcome,
     SessionRecord,
@@ -120,7 +120,8 @@ class SessionLog:
         from benchtool.report.assembly import session_report
 
         out = self._settings.out
-        out.mkdir(parents=True, exist_ok=True)
+        with writing(out):
+            out.mkdir(parents=True, exist_ok=True)
         files = [write_session(out, record)]
         earlier = earlier_sessions(out, record, self._settings.history)
         page, document = write_report(

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
-from benchtool.analysis import number, undefined, without_uncertainty
+from benchtool.analysis import count_of, number, undefined, without_uncertainty
 from benchtool.bench import Session, open_session
 from benchtool.cli import live_views, options
 from benchtool.cli.fitting import named
@@ -210,7 +210,8 @@ def _told_how_to_go_on(folder: Path, output: Output) -> Iterator[None]:
     except (KeyboardInterrupt, DriveError, LinkError):
         with suppress(RecordingError):
             if done := [each for each in step_bundles(folder) if each.manifest.verdict == StepVerdict.PASS]:
-                output.note(f"{len(done)} steps are done: go on with --resume {folder}")
+                are_done = f"{count_of(len(done), 'step')} {'is' if len(done) == 1 else 'are'} done"
+                output.note(f"{are_done}: go on with --resume {folder}")
         raise
 
 
