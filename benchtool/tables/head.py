@@ -141,10 +141,18 @@ def columns_of(
         return ()
     if is_labelled:
         return _labelled(found)
+    found = [_without_label(line) for line in found]
     others = [line for line in found if _are_plain(line) and not are_units(line)]
     return tuple(
         column.also_called(line[place] for line in others) for place, column in enumerate(_columns(found))
     )
+
+
+def _without_label(cells: list[str]) -> list[str]:
+    """Return a line of units without the label that it begins with, as `Vertical Units,V,A`."""
+    label = cells[0].removesuffix(":")
+    is_label = ":" not in label and _ON_UNITS.search(label) is not None and are_units(cells[1:])
+    return ["", *cells[1:]] if is_label else cells
 
 
 def _columns(found: Sequence[list[str]]) -> tuple[Column, ...]:

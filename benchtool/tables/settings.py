@@ -24,6 +24,7 @@ _DISTANCE = re.compile(
 _RATE = re.compile(r"sampl(?:e|ing)[ _-]*(?:rate|freq(?:uency)?)|abtastrate|fs", re.IGNORECASE)
 _BELOW = re.compile(r"(?:[xt][ _-]?)?inc(?:rement)?", re.IGNORECASE)  # a label that its number is below
 _AMOUNT = re.compile(r"(?:[^\W\d]\w*:)?\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_][\w/]*)?")
+_WITH_UNIT = re.compile(r"(.+?)\s*[(\[]([^()\[\]]+)[)\]]")
 _PER_SECOND = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "sa/s": 1.0, "ksa/s": 1e3, "s/s": 1.0, "ks/s": 1e3}
 _LONGEST_UNIT = 12
 
@@ -100,6 +101,10 @@ def _settings_in(line: str, delimiter: str) -> Iterator[Setting]:
             yield Setting(label, (value,), cell[:60])
     label, sign, value = _partition(cells[0]) if cells else ("", "", "")
     values = [*([value] if sign else []), *(each.strip("()[] ") for each in cells[1:])]
+    values = ["" if each == label else each for each in values]  # label and value for each channel
+    if match := _WITH_UNIT.fullmatch(label):
+        label = match[1]
+        values = [f"{each} {match[2]}" if has_number(each) else each for each in values]
     while values and not values[-1]:
         del values[-1]
     if label and values and not has_number(label):

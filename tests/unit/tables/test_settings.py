@@ -80,6 +80,22 @@ def test_one_unit_is_that_of_all_but_the_time(tmp_path: Path, unit: str) -> None
             assert found.select(current, "A").unit_from == "head"
 
 
+@pytest.mark.parametrize("line", ["Vertical Units,V,mA", "Unit,V,mA"])
+def test_a_label_right_above_the_names_is_no_unit_of_the_first_column(tmp_path: Path, line: str) -> None:
+    found = TextTable.open(table(tmp_path, f"Horizontal Units,s\n{line}\nTIME,CH1,CH2"))
+    time, current = found.select("TIME", "s"), found.select("CH2", "A")
+    assert (time.factor, time.unit_from) == (1.0, "head")
+    assert current.factor == 1e-3
+
+
+def test_a_label_for_each_channel_is_no_unit(tmp_path: Path) -> None:
+    head = "Vertical Units,V,Vertical Units,A\nMode,Detail,Mode,Detail\nTime,CH1,Time,CH2"
+    found = TextTable.open(table(tmp_path, head, cells="{t:.5f},{u:.4f},{t:.5f},{i:.4f}"))
+    assert found.select("CH2", "A").unit_from == "head"
+    with pytest.raises(AnalysisError, match="'V' is no unit of column 'CH1'"):
+        found.select("CH1", "A")
+
+
 def test_a_unit_of_the_name_is_before_that_of_a_setting(tmp_path: Path) -> None:
     found = TextTable.open(table(tmp_path, "Vertical Units,V\nt,u,I_mA"))
     assert found.select("I_mA", "A").factor == 1e-3
@@ -95,7 +111,12 @@ def test_a_unit_of_the_name_is_before_that_of_a_setting(tmp_path: Path) -> None:
             "#CLOCK=100uS",
             "dt = 0.1 ms",
         ),
-        *("SampleRate,1.0E+004,1.0E+004", "# Sample rate: 10000Hz", "Sampling Rate: 10 kSa/s"),
+        *(
+            "SampleRate,1.0E+004,1.0E+004",
+            "# Sample rate: 10000Hz",
+            "Sampling Rate: 10 kSa/s",
+            "Sample rate [kHz]: 10",
+        ),
         *("t0 =-2.0e-01,tInc = 1.0e-04", "Sample Interval,Analog:0.000100"),
         "X,CH1,Start,Increment\nSequence,Volt,-2.0e-1,1.0e-4",
     ],
