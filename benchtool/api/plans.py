@@ -292,11 +292,15 @@ def _run(
     info: RunInfo,
     tell: Callable[[str], None],
 ) -> PlanResult:
+    from benchtool.recording import enlist
+    from benchtool.results import recorded_bundles
     from benchtool.run import bundle_folder, run_plan as run_cases
 
     now = datetime.now().astimezone()
     with bundle_folder(None if out is None else Path(out), now, title) as folder:
-        return PlanResult(run_cases(opener, plan, folder, info, _Progress(tell)), plan, folder)
+        result = run_cases(opener, plan, folder, info, _Progress(tell))
+        enlist(folder, [each.directory for each in recorded_bundles(folder)])
+        return PlanResult(result, plan, folder)
 
 
 def _read(plan: str | Path | model.Plan) -> tuple[model.Plan, Path | None]:

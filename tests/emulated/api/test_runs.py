@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,10 @@ def test_a_plan_made_in_python_is_run_judged_compared_reported_and_shown(
     bundle = benchtool.open_bundle(tmp_path / "run" / "tpc")
     ripple = result["tpc"]["torque_ripple_pp"]
     assert bundle.results["torque_ripple_pp"].value == ripple.value
+    assert set(json.loads((tmp_path / "run" / "hashes.json").read_text())["files"]) == {
+        "tpc/manifest.json",
+        "foc/manifest.json",
+    }
     assert bundle.analyze()["torque_ripple_pp"] == ripple
     assert bundle.verdict == "pass"
     assert bundle.streams == ("capture", "telemetry", "transducer")
