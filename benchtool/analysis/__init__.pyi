@@ -153,10 +153,8 @@ from .steady_state import (
 from .steps.step import (
     STEP as STEP,
     StepResponse as StepResponse,
-    StepSettings as StepSettings,
     analyze_step as analyze_step,
 )
-from .steps.step_validity import MOST_STEP_OFFSET as MOST_STEP_OFFSET
 from .switching import (
     SWITCHING_STATES as SWITCHING_STATES,
     SwitchingStates as SwitchingStates,
@@ -195,6 +193,7 @@ from .validity import (
     standing as standing,
 )
 from .window import (
+    PLAYED as PLAYED,
     Excitation as Excitation,
     Window as Window,
 )

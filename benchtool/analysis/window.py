@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from threading import Lock
-from typing import Any, Self, TypeVar
+from typing import Any, Final, Self, TypeVar
 
 import numpy as np
 
@@ -13,16 +13,23 @@ from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.block import Block
 from benchtool.profile import Motor
 
+PLAYED: Final = "stimulus"
+"""Channel of what the drive plays, which it adds to the setpoint."""
+
 Shared = TypeVar("Shared")
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """The rows in which a stimulus plays, its first repetition left out; `period_rows` where it repeats."""
+    """The rows in which a stimulus plays, its first repetition left out; `period_rows` where it repeats.
+
+    `setpoint` is what the drive adds the stimulus to, in the unit of its channel.
+    """
 
     begin_row: int = 0
     end_row: int | None = None
     period_rows: int | None = None
+    setpoint: float = 0.0
 
 
 class _Shared:
@@ -73,6 +80,15 @@ class Window:
         """Return `compute(self)`, computed once and cached for all analyses."""
         value: Shared = self._shared.get(compute, lambda: compute(self))
         return value
+
+    def block_of_reference(self, channel: str) -> Block:
+        """Return the block in which a channel is a reference that the drive follows: what it plays counts
+        from the setpoint."""
+        if channel != PLAYED or not self.excitation.setpoint:
+            return self.block
+        data = np.array(self.block.data)
+        data[:, self.block.names.index(PLAYED)] += self.excitation.setpoint
+        return replace(self.block, data=data)
 
     @property
     def track(self) -> PhaseTrack | None:

@@ -125,6 +125,10 @@ class OperatingPoint(Section):
         """The drive's mode."""
         return Mode[self.mode.upper()]
 
+    def setpoint_of(self, quantity: str) -> float:
+        """Return what the drive adds a stimulus of this quantity to, in the unit of that."""
+        return {"speed": self.omega_m_rad_s, "torque": self.torque_Nm}.get(quantity, 0.0)
+
 
 class Record(Section):
     """What the drive captures, `stride` control ticks per row, from `pretrigger_s` before a stimulus on."""

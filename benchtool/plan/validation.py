@@ -9,7 +9,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
-from benchtool.analysis import MOST_STEP_OFFSET, STEP, StepSettings
+from benchtool.analysis import PLAYED
 from benchtool.analysis.responses import FREQUENCY_RESPONSE
 from benchtool.document import by_line, closest, line_of
 from benchtool.errors import PlanError, ProfileError, ValueRefused
@@ -28,7 +28,6 @@ _FEWEST_PERIODS = 2
 _ROWS_AT_THE_ENDS = 63  # of a current, which only feed the interpolation
 _PERIODIC: Final = frozenset({"i_a", "theta_m", "psi_alpha", "psi_beta"})
 _LONGEST_NAME = 200
-_PLAYED: Final = "stimulus"
 _TAKEN: Final = frozenset({"plots", "data"})
 
 Faults = Iterator[tuple[Path_, str]]
@@ -90,12 +89,12 @@ def faults_of(
     """
     stream = "stream_sequence" in dictionary
     units = {variable.name: variable.unit for variable in dictionary if variable.role == "signal"}
-    units.pop(_PLAYED, None)  # has the unit of the quantity that plays
+    units.pop(PLAYED, None)  # has the unit of the quantity that plays
     if plan.stimulus is not None:
-        units[_PLAYED] = plan.stimulus.unit
+        units[PLAYED] = plan.stimulus.unit
     channels = plan.record.channels
     if {("record",), ("record", "channels")} & set(left_out):
-        channels = (*units, _PLAYED)  # what is recorded is not known, so that nothing lacks a channel
+        channels = (*units, PLAYED)  # what is recorded is not known, so that nothing lacks a channel
     naming = NameCheck(plan, profile.motor, transducer, stream, frozenset(channels), units)
     yield from itertools.chain(
         _setting_faults(plan, dictionary),
@@ -105,7 +104,7 @@ def faults_of(
         _rating_faults(plan, profile),
         _record_faults(plan, profile, dictionary),
         _window_faults(plan, profile, dictionary),
-        _as_written(itertools.chain(naming.faults(), _reference_faults(plan)), source.document),
+        _as_written(naming.faults(), source.document),
     )
 
 
@@ -307,25 +306,6 @@ def _window_faults(plan: Plan, profile: Profile, dictionary: Dictionary) -> Faul
             f"the stimulus repeats itself every {length_s:g} s and {after_s:g} s of it are recorded: two "
             f"repetitions at least are needed, of which the first is left out",
         )
-
-
-def _reference_faults(plan: Plan) -> Faults:
-    """Yield the step of a signal that is at its operating point before it, against a stimulus that begins at
-    zero."""
-    stimulus, settings = plan.stimulus, plan.analyses.settings(STEP)
-    if stimulus is None or not isinstance(settings, StepSettings) or settings.reference != _PLAYED:
-        return
-    for case in cases(plan):
-        point = case.operating_point
-        setpoints = {"speed": ("omega_m", point.omega_m_rad_s), "torque": ("torque", point.torque_Nm)}
-        signal, setpoint = setpoints.get(stimulus.quantity, ("", 0.0))
-        if signal == settings.signal and abs(setpoint) > MOST_STEP_OFFSET * stimulus.peak:
-            yield (
-                ("analyses", STEP.name, "reference"),
-                f"is '{_PLAYED}', which begins at 0 {stimulus.unit}, and '{signal}' begins at "
-                f"{setpoint:g} {stimulus.unit} (case '{case.name}'): step from an operating point of 0, or "
-                f"by {abs(setpoint) / MOST_STEP_OFFSET:g} {stimulus.unit} at least",
-            )
 
 
 def _period_faults(plan: Plan, profile: Profile, period_s: float) -> Faults:

@@ -21,7 +21,7 @@ from benchtool.analysis import (
 from benchtool.block import Block
 from benchtool.document import Section
 from benchtool.errors import AnalysisError
-from benchtool.plan import Analyses, Plan
+from benchtool.plan import Analyses, OperatingPoint, Plan
 from benchtool.profile import Motor
 
 
@@ -153,8 +153,11 @@ def without_channels(todo: Iterable[Planned]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def of_plan(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) -> tuple[Planned, ...]:
-    """Return the analyses of a plan, each with the part of the capture that it is made of.
+def of_plan(
+    plan: Plan, point: OperatingPoint, motor: Motor, capture: Block, transducer: Block | None
+) -> tuple[Planned, ...]:
+    """Return the analyses of a plan at an operating point, each with the part of the capture that it is made
+    of.
 
     Raises:
         AnalysisError: the capture ends before the steady state was to begin.
@@ -162,12 +165,13 @@ def of_plan(plan: Plan, motor: Motor, capture: Block, transducer: Block | None) 
     steady = None
     if plan.analyses.steady:
         steady = Window.of(_from(capture, plan.analyses.steady_from_s), motor, transducer)
-    whole = Window.of(capture, motor, transducer, _excitation(plan, capture))
+    whole = Window.of(capture, motor, transducer, _excitation(plan, point, capture))
     return tuple(planned(plan.analyses, steady, whole))
 
 
-def _excitation(plan: Plan, capture: Block) -> Excitation:
-    """Return where the stimulus plays; of a repeated one after its first period, a transient."""
+def _excitation(plan: Plan, point: OperatingPoint, capture: Block) -> Excitation:
+    """Return where the stimulus plays, and what it is added to; of a repeated one after its first period, a
+    transient."""
     if plan.stimulus is None:
         return Excitation(0, len(capture.data))
     begin, period = round(plan.record.pretrigger_s * capture.sample_rate_Hz), None
@@ -176,7 +180,7 @@ def _excitation(plan: Plan, capture: Block) -> Excitation:
     if plan.stimulus.repetitions > 1 and ticks % capture.stride == 0:
         period = ticks // capture.stride
         begin += period
-    return Excitation(begin, end, period)
+    return Excitation(begin, end, period, point.setpoint_of(plan.stimulus.quantity))
 
 
 def _from(block: Block, start_s: float) -> Block:

@@ -25,6 +25,7 @@ from benchtool.misfits import explain
 from benchtool.plan import (
     CaseReadings,
     JudgedLimit,
+    OperatingPoint,
     Plan,
     Verdict,
     case_named,
@@ -75,7 +76,7 @@ def assess(
     published = {**plan.published.get(this.group, {}), **plan.published.get(case, {})}
     try:
         asked = frozenset((*limits, *published, *plan.tabulate))
-        answers, refusal = _answer(plan, motor, capture, transducer, asked), ""
+        answers, refusal = _answer(plan, point, motor, capture, transducer, asked), ""
     except AnalysisError as refused:
         held = (JudgedLimit.of(each.name, limits[each.name], each) for each in reached if each.name in limits)
         if all(each.verdict is Verdict.PASS for each in held):
@@ -91,7 +92,7 @@ def assess(
         shaft = None if transducer is None else altered.of(transducer)
         if not refusal:
             with suppress(AnalysisError):  # a measurement that is not found again has an unknown uncertainty
-                todo = of_plan(plan, motor, other, shaft)
+                todo = of_plan(plan, point, motor, other, shaft)
                 yield from remeasured(todo, altered.channel, answers.findings)
 
     measurements = instruments.applied((*answers.measurements, *reached), again)
@@ -100,7 +101,7 @@ def assess(
             measurements,
             capture,
             transducer,
-            lambda narrow: of_plan(plan, motor, narrow, transducer),
+            lambda narrow: of_plan(plan, point, motor, narrow, transducer),
             instruments,
         )
     made = with_numbers(answers.findings)
@@ -159,10 +160,15 @@ class _Answers:
 
 
 def _answer(
-    plan: Plan, motor: Motor, capture: Block, transducer: Block | None, asked: frozenset[str]
+    plan: Plan,
+    point: OperatingPoint,
+    motor: Motor,
+    capture: Block,
+    transducer: Block | None,
+    asked: frozenset[str],
 ) -> _Answers:
     """Make every analysis of a plan; numbers that are `asked` for have a reason where they have no value."""
-    todo = of_plan(plan, motor, capture, transducer)
+    todo = of_plan(plan, point, motor, capture, transducer)
     return _Answers(measure_all(todo), without_channels(todo), asked)
 
 

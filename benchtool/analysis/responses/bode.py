@@ -33,7 +33,7 @@ from benchtool.analysis.responses.response_delay import response_delay
 from benchtool.analysis.sensitivity import NO_SENSORS, SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
-from benchtool.analysis.window import Window
+from benchtool.analysis.window import PLAYED, Window
 from benchtool.block import Block
 from benchtool.document import Section
 from benchtool.errors import AnalysisError
@@ -42,7 +42,6 @@ _HALF_POWER_DB = 20.0 * math.log10(math.sqrt(0.5))
 _QUARTER_TURN = -0.5 * math.pi
 _MOST_OF_THE_LEVEL = 0.3  # of the 3 dB: with a less certain gain at zero frequency there is no bandwidth
 _BY_CHANCE = 0.05  # probability that the greatest of many errors looks like a peak
-_PLAYED = "stimulus"
 _STATISTICAL = "random error of the response"
 _LOCALLY = "by a local parabola, or between few frequencies a cubic of the reciprocal of the response"
 
@@ -308,8 +307,8 @@ def _stimulus(block: Block, settings: ResponseSettings) -> str | None:
     it played."""
     if settings.stimulus:
         return settings.stimulus
-    if _PLAYED in block.names and np.ptp(block.column(_PLAYED)) > 0.0:
-        return _PLAYED
+    if PLAYED in block.names and np.ptp(block.column(PLAYED)) > 0.0:
+        return PLAYED
     return None
 
 

@@ -350,11 +350,12 @@ class StepSettings(Section):
     signal: str = "torque"
     """Channel that follows."""
     reference: str = "torque_reference"
-    """Channel that steps."""
+    """Channel that steps. `stimulus`, which is added to the setpoint of a plan, counts from there."""
 
 
 def _measure(window: Window, settings: StepSettings) -> Findings:
-    found = analyze_step(window.block, settings.signal, settings.reference, held=True)
+    block = window.block_of_reference(settings.reference)
+    found = analyze_step(block, settings.signal, settings.reference, held=True)
     return Findings(found.measurements, result=found)
 
 

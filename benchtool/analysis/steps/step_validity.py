@@ -9,10 +9,8 @@ from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_shape import Step
 from benchtool.analysis.validity import clipped_share
 
-MOST_STEP_OFFSET = 0.5
-"""Of the step: how far a signal may be from its reference before it."""
-
 UNDECIDED = "because of noise this is undecided"
+_MOST_OFFSET = 0.5  # of the step: how far a signal may be from its reference before it
 _SURE = 3.0  # standard uncertainties of that
 _FEWEST_ALIKE = 3  # samples of one value, which noise would not leave
 
@@ -34,7 +32,7 @@ def _reference_of_another(step: Step) -> str:
     rest = step.y_before[: max(1, step.begin)]
     at_rest = float(np.mean(rest))
     apart, unsure = abs(at_rest - step.before), _SURE * step.y_noise.of_mean(len(rest))
-    if apart <= MOST_STEP_OFFSET * step.height + unsure:
+    if apart <= _MOST_OFFSET * step.height + unsure:
         return ""
     signal, reference = (f"{step.sign * each + 0.0:.4g} {step.unit}" for each in (at_rest, step.before))
     return (

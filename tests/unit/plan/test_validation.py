@@ -341,23 +341,6 @@ def test_a_reference_in_another_unit_is_refused_before_the_run(tmp_path: Path, r
     assert "one unit is needed, choose stimulus" in message
 
 
-@pytest.mark.parametrize(("speed", "is_refused"), [("0.0", False), ("-2.4", False), ("2.6", True)])
-def test_a_step_of_a_running_speed_is_not_of_the_stimulus(
-    tmp_path: Path, speed: str, is_refused: bool
-) -> None:
-    """The stimulus begins at zero and is added to the setpoint: the speed has risen before it plays."""
-    text = BASE.replace('"omega_m"]', '"omega_m", "stimulus"]') + _SPEED_STEP + 'reference = "stimulus"\n'
-    text = text.replace("omega_m_rad_s = 31.42", f"omega_m_rad_s = {speed}")
-    if not is_refused:
-        _check(tmp_path / "mine.toml", text)
-        return
-    message = _refusal(tmp_path / "mine.toml", text)
-    assert _line(text, 'reference = "stimulus"') in message
-    assert "analyses.step.reference is 'stimulus', which begins at 0 rad/s" in message
-    assert "'omega_m' begins at 2.6 rad/s (case 'warm'): step from an operating point of 0" in message
-    assert "or by 5.2 rad/s at least" in message
-
-
 @pytest.mark.parametrize(
     ("analyses", "at", "complaint"),
     [
