@@ -184,6 +184,7 @@ from .uncertainty import (
     combined as combined,
     combined_by_names as combined_by_names,
     of_difference as of_difference,
+    sure_of as sure_of,
 )
 from .validity import (
     clipping as clipping,

@@ -16,6 +16,9 @@ from benchtool.analysis.distributions import (
 
 _MANY = 1e6  # degrees of freedom: k of infinitely many is less by a millionth
 
+SURE: Final = 3.0
+"""Standard uncertainties, of many degrees of freedom, by which two values contradict each other."""
+
 COVERAGE: Final = 0.95
 """Coverage probability of an expanded uncertainty."""
 
@@ -336,6 +339,12 @@ def of_difference(
         (*one.budget, *two.budget),
         half_width=math.hypot(one.expanded, two.expanded) if derived else None,
     )
+
+
+def sure_of(uncertain: Uncertainty | None, sigmas: float = SURE) -> float:
+    """Return the difference that an uncertainty leaves as unlikely as so many standard uncertainties are of
+    many degrees of freedom, by Student's distribution of those that it has; 0 without one."""
+    return 0.0 if uncertain is None else uncertain.half_width_of(1.0 - 2.0 * normal_below(-sigmas))
 
 
 def _in_common(one: Uncertainty, two: Uncertainty) -> list[tuple[Contribution, Contribution]]:

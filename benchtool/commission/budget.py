@@ -1,10 +1,10 @@
-"""Uncertainty of an estimate: the scatter about the fit, and what is known beside it."""
+"""Uncertainty of an estimate: the scatter about the fit, and what is known beside it; that of two methods."""
 
 from __future__ import annotations
 
 import math
 
-from benchtool.analysis import Contribution, Uncertainty, combined
+from benchtool.analysis import Contribution, Measurement, Uncertainty, combined
 from benchtool.commission.known import Known
 
 
@@ -51,3 +51,21 @@ def of_fit(
     found = combined(lines, scatter)
     assert found is not None  # every line is a number
     return found
+
+
+def of_two(one: Measurement, other: Measurement | None, left_out: float = 0.0) -> Uncertainty | None:
+    """Return the uncertainty of the difference of two estimates of one quantity; None where neither states
+    one.
+
+    Args:
+        one, other: the estimates; the other may be exact, or not have been made.
+        left_out: largest deviation by what both leave out, a rectangular distribution.
+    """
+    lines = [
+        each.known_uncertainty.line(each.name)
+        for each in (one, other)
+        if each is not None and each.known_uncertainty is not None
+    ]
+    if left_out > 0.0:
+        lines.append(Contribution("what the two leave out", "B", left_out / math.sqrt(3.0)))
+    return combined(lines, "both estimates") if lines else None

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, sure_of
 from benchtool.commission.estimators.circuit import Circuit
 from benchtool.commission.estimators.flux_linkage import HARMONICS
 from benchtool.commission.nameplate import IN_SERIES_OHM, KEYS
@@ -32,7 +32,6 @@ _LEAST_L = 0.1  # of the nameplate's
 _AS_STATED = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
 _SERIES_AS_STATED = (0.5, 2.0)  # of a device, by its temperature, and of a cable
 _CODES = 2.0**10  # of a converter of the dc link, at the least
-_SEEN = 3.0  # standard uncertainties, below which nothing is compensated
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
 
@@ -135,8 +134,7 @@ class Known:
         """
         found = {name: each.value for name, each in self.estimates.items()}
         if (drop := self.estimates.get("dead_time_voltage")) is not None:
-            standard = 0.0 if drop.uncertainty is None else drop.uncertainty.standard
-            seen = drop.value > _SEEN * standard
+            seen = drop.value > sure_of(drop.uncertainty)
             found["dead_time_compensation"] = self.compensation_s if seen else 0.0
         return {
             name: _as_held(self.variables[name], value)
@@ -258,10 +256,22 @@ class Known:
     def without_eccentricity(self, theta_m_rad: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mechanical angle of the shaft, shape (n,), from what an eccentric encoder shows."""
         shaft = np.array(theta_m_rad)
-        for n in (1, 2):
-            shaft -= self.value(f"eccentricity_{n}_cos", 0.0) * np.cos(n * theta_m_rad)
-            shaft -= self.value(f"eccentricity_{n}_sin", 0.0) * np.sin(n * theta_m_rad)
+        for n, error in enumerate(self.eccentricity_rad, start=1):
+            shaft -= error.real * np.cos(n * theta_m_rad) + error.imag * np.sin(n * theta_m_rad)
         return shaft
+
+    @property
+    def eccentricity_rad(self) -> tuple[complex, complex]:
+        """Errors of an eccentric encoder once and twice in a revolution, the real part of each with
+        cos(n theta_m); 0 of one that stays within its uncertainty, which a swing of the rotor may be."""
+        once, twice = (self._told_wave(f"eccentricity_{n}") for n in (1, 2))
+        return once, twice
+
+    def _told_wave(self, name: str) -> complex:
+        parts = [self.estimates.get(f"{name}_{part}") for part in ("cos", "sin")]
+        wave = complex(*(0.0 if each is None else each.value for each in parts))
+        known = [each.uncertainty for each in parts if each is not None and each.uncertainty is not None]
+        return wave if abs(wave) > max((each.expanded for each in known), default=0.0) else 0j
 
     @property
     def flux_harmonics(self) -> dict[int, complex]:
@@ -270,6 +280,11 @@ class Known:
             order: complex(*(self.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
             for order in HARMONICS
         }
+
+    @property
+    def flux_harmonics_told(self) -> tuple[int, ...]:
+        """Orders of the harmonics of the rotor flux that are beyond their uncertainty."""
+        return tuple(order for order in HARMONICS if self._told_wave(f"psi_{abs(order)}"))
 
     @property
     def cogging_orders(self) -> tuple[int, ...]:

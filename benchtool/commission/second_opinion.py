@@ -10,15 +10,15 @@ from typing import Final
 
 import numpy as np
 
-from benchtool.analysis import Measurement, Uncertainty
+from benchtool.analysis import Contribution, Measurement, combined, sure_of
 from benchtool.analysis.balances import Solution, flux_balance
 from benchtool.block import Block
+from benchtool.commission.budget import of_two
 from benchtool.commission.known import Known
 from benchtool.commission.steps.speed_loop import FASTEST
 from benchtool.commission.steps.step import Finding
 from benchtool.errors import AnalysisError
 
-_SURE = 3.0  # combined standard uncertainties
 _LEAST_SHARE: Final = (
     0.5  # of the captures: what a limit lets through beside many that it refuses tells nothing
 )
@@ -40,7 +40,7 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
     The names are those of the parameters after `PREFIX`; what fewer than half of the captures tell is
     undefined, with a reason.
     """
-    values: dict[str, list[tuple[float, float]]] = {name: [] for name in _TOLERANCES}
+    values: dict[str, list[tuple[float, float, float]]] = {name: [] for name in _TOLERANCES}
     reasons = dict.fromkeys(_TOLERANCES, "")
     for block in blocks:
         try:
@@ -49,18 +49,16 @@ def balanced(blocks: Sequence[Block], known: Known) -> tuple[Measurement, ...]:
         except AnalysisError as failed:
             reasons = {name: why or str(failed) for name, why in reasons.items()}
             continue
-        # What is left of the voltage is along the current, or along the EMF, as much as anywhere else; and
-        # with a current that turns, dead time near zero looks like a resistance.
-        dead_V = abs(known.drop_fundamental_V) / math.sqrt(3.0)
+        # what is left of the voltage is along the current, or along the EMF, as much as anywhere else
         left = {
-            "R_s": math.hypot(balance.unexplained_V, dead_V) / balance.current_A,
+            "R_s": balance.unexplained_V / balance.current_A,
             "psi_r": balance.unexplained_V / balance.omega_e_rad_s,
         }
         for name, each in values.items():
             if why := found.why_not(name):
                 reasons[name] = reasons[name] or why
             else:
-                each.append((found.value(name), math.hypot(found.standard(name), left[name])))
+                each.append((found.value(name), found.standard(name), left[name]))
     for name, each in values.items():
         if len(each) < _LEAST_SHARE * len(blocks):
             reasons[name] = f"{len(each)} of {len(blocks)} captures tell it, half are needed: {reasons[name]}"
@@ -87,9 +85,8 @@ def contradictions(found: Mapping[str, Measurement], known: Known) -> tuple[Find
         own, other = found.get(name, known.estimates.get(name)), found.get(f"{PREFIX}{name}")
         if own is None or other is None or not math.isfinite(other.value - own.value):
             continue
-        standards = [each.uncertainty.standard for each in (own, other) if each.uncertainty is not None]
         difference = other.value - own.value
-        agreed = max(_SURE * math.hypot(*standards), tolerance * abs(own.value))
+        agreed = max(sure_of(of_two(own, other)), tolerance * abs(own.value))
         if name == "psi_r":  # dead time across the flux looks like an EMF, at the fastest speed the least
             omega_e = FASTEST * known.motor.omega_m_N_rad_s * known.identified.pole_pairs
             agreed = max(agreed, ACROSS * abs(known.drop_fundamental_V) / omega_e)
@@ -132,12 +129,23 @@ def of_a_sine(block: Block, known: Known) -> Block:
     return replace(block, data=data)
 
 
-def _mean(name: str, values: Sequence[tuple[float, float]], reason: str) -> Measurement:
+def _mean(name: str, values: Sequence[tuple[float, float, float]], reason: str) -> Measurement:
+    """Return the mean of the captures' estimates, each with the standard uncertainty of its fit and what is
+    left unexplained; both are the same in every capture, of one motor and one inverter."""
     unit, definition = _UNITS[name], "by the balance of the stator flux over each tick, mean of the captures"
     if not values:
         return Measurement.undefined(f"{PREFIX}{name}", unit, definition, reason or "nothing was captured")
-    each, standards = np.array(values).T
-    scatter = float(np.std(each, ddof=1)) / math.sqrt(len(each)) if len(each) > 1 else 0.0
-    own = math.sqrt(float(np.mean(standards**2)))  # what is unexplained is the same in every capture
-    u = Uncertainty(max(scatter, own), "scatter over the captures", max(1.0, len(each) - 1.0))
-    return Measurement(f"{PREFIX}{name}", float(np.mean(each)), unit, definition, uncertainty=u)
+    each, standards, left = np.array(values).T
+    mean, n = float(np.mean(each)), len(each)
+    lines = [
+        Contribution("fits of the captures", "A", math.sqrt(float(np.mean(standards**2)))),
+        Contribution("voltage left unexplained", "B", math.sqrt(float(np.mean(left**2)))),
+    ]
+    if n > 1:
+        scatter = float(np.std(each, ddof=1)) / math.sqrt(n)
+        lines.append(Contribution("scatter over the captures", "A", scatter, n - 1.0))
+    u = combined(lines, "scatter over the captures and what they leave unexplained")
+    if u is not None and u.expanded > abs(mean):
+        reason = f"{mean:.3g} {unit} with an expanded uncertainty of {u.expanded:.2g}: not determined"
+        return Measurement.undefined(f"{PREFIX}{name}", unit, definition, reason)
+    return Measurement(f"{PREFIX}{name}", mean, unit, definition, uncertainty=u)

@@ -1,5 +1,4 @@
 from .deviations import (
-    SURE as SURE,
     Deviation as Deviation,
     contradictions as contradictions,
     deviations as deviations,

@@ -14,16 +14,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from benchtool.analysis.distributions import normal_below
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.numbers import with_expanded
-from benchtool.analysis.uncertainty import Uncertainty
+from benchtool.analysis.uncertainty import sure_of
 from benchtool.profile import Motor
 
-SURE: Final = 3.0
-"""Standard uncertainties, of many degrees of freedom, by which an estimate contradicts a belief."""
-
-_SURELY: Final = 1.0 - 2.0 * normal_below(-SURE)  # probability
 _RELATIVE: Final[Mapping[str, float]] = {"R_s": 0.05, "L_d": 0.03, "L_q": 0.03, "psi_r": 0.01, "J": 0.05}
 _OFFSET_RAD, _OF_LINK, _GAIN, _OF_RATED = math.radians(1.0), 2e-3, 5e-3, 5e-3
 
@@ -80,12 +75,6 @@ class Deviation:
         value = f"{with_expanded(self.estimate.value, self.estimate.uncertainty)} {unit}".rstrip()
         share = f", {self.percent:+.3g} %" if math.isfinite(self.percent) else ""
         return f"{self.name} is {value}, {self.believed:.4g} {unit} is believed{share}".replace(" ,", ",")
-
-
-def sure_of(uncertain: Uncertainty | None) -> float:
-    """Return the difference that an uncertainty leaves as unlikely as three standard uncertainties are of
-    many degrees of freedom, by Student's distribution of those that it has; 0 without one."""
-    return 0.0 if uncertain is None else uncertain.half_width_of(_SURELY)
 
 
 def deviations(

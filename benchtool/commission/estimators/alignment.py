@@ -71,16 +71,18 @@ class Alignment:
 
     `lag_rad` is the electrical angle by which friction holds the rotor back at the nominal current.
     `errors_rad` are the complex amplitudes of the encoder's error once and twice in a revolution, the real
-    part of each times exp(-j n theta_m); None where less than a revolution was turned. All are of as many of
-    the last revolutions as tell the offset best. `ripple_rad` is the rms electrical deviation over the whole
-    of the spins.
+    part of each times exp(-j n theta_m), and `apart_rad` by how much those of both spins differ; None where
+    less than a revolution was turned. All are of as many of the last revolutions as tell the offset best.
+    `ripple_rad` is the rms electrical deviation over the whole of the spins.
     """
 
     offset_rad: float
     offset_standard_rad: float
     lag_rad: float
+    lag_standard_rad: float
     errors_rad: tuple[complex, complex] | None
     error_standard_rad: float
+    apart_rad: tuple[float, float] | None
     ripple_rad: float
     dof: float
 
@@ -159,28 +161,34 @@ def alignment(spins: Sequence[Spin], pole_pairs: int, direction: int) -> Alignme
     turns = min(float(np.ptp(each)) for each in theta) / (2.0 * math.pi)
     whole = turns >= _WHOLE
     every = _fitted(theta, errors, senses, whole, math.inf)
-    fit = min(
-        (every, *(_fitted(theta, errors, senses, whole, last) for last in range(1, math.floor(turns) + 1))),
-        key=lambda each: each.standard(0),
+    fit, last = min(
+        (
+            (every, math.inf),
+            *((_fitted(theta, errors, senses, whole, n), n) for n in range(1, math.floor(turns) + 1)),
+        ),
+        key=lambda each: each[0].standard(0),
     )
     offset = (around + fit.x[0]) / pole_pairs
     period = 2.0 * math.pi / pole_pairs
     whole_periods = period * math.floor(offset / period + 0.5)
     offset -= whole_periods  # and theta_m is so much more
-    found = None
+    found = apart = None
     if whole:
-        by_p = fit.x[2:] / pole_pairs
+        once, twice = _amplitudes(fit.x[2:] / pole_pairs)
         turned = np.exp(1j * whole_periods)
-        found = (
-            complex(complex(by_p[0], by_p[1]) * turned),
-            complex(complex(by_p[2], by_p[3]) * turned**2),
+        found = (complex(once * turned), complex(twice * turned**2))
+        (on_1, on_2), (back_1, back_2) = (
+            _errors_alone(*each, last, pole_pairs) for each in zip(theta, errors, strict=True)
         )
+        apart = (abs(on_1 - back_1), abs(on_2 - back_2))
     return Alignment(
         offset,
         fit.standard(0) / pole_pairs,
         float(fit.x[1]),
+        fit.standard(1),
         found,
         math.sqrt(2.0 / len(fit.residuals)) * fit.scatter / pole_pairs,
+        apart,
         every.scatter,
         fit.dof,
     )
@@ -198,7 +206,7 @@ def _fitted(
     A rotor that is dragged off may swing by a hundred degrees at first, of which the mean is not where it
     would rest.
     """
-    rows = [np.abs(each - each[-1]) <= 2.0 * math.pi * last for each in theta]
+    rows = [_last(each, last) for each in theta]
     x, y, sense = (
         np.concatenate([each[of] for each, of in zip(parts, rows, strict=True)])
         for parts in (theta, errors, senses)
@@ -207,6 +215,29 @@ def _fitted(
     if whole:
         columns += _of_revolution(x)
     return least_squares(np.column_stack(columns), y)
+
+
+def _errors_alone(
+    theta: NDArray[np.float64], errors: NDArray[np.float64], last: float, pole_pairs: int
+) -> tuple[complex, complex]:
+    """Return the amplitudes of the encoder's error by the last revolutions of one spin.
+
+    A rotor that swings once or twice in a revolution looks like an eccentric encoder, but not the same both
+    ways.
+    """
+    rows = _last(theta, last)
+    columns = np.column_stack([np.ones(int(np.count_nonzero(rows))), *_of_revolution(theta[rows])])
+    return _amplitudes(least_squares(columns, errors[rows]).x[1:] / pole_pairs)
+
+
+def _last(theta: NDArray[np.float64], revolutions: float) -> NDArray[np.bool_]:
+    """Return which rows are of the last revolutions."""
+    return np.abs(theta - theta[-1]) <= 2.0 * math.pi * revolutions
+
+
+def _amplitudes(waves: NDArray[np.float64]) -> tuple[complex, complex]:
+    """Return the complex amplitudes once and twice in a revolution by those of `_of_revolution`."""
+    return complex(waves[0], waves[1]), complex(waves[2], waves[3])
 
 
 def _of_revolution(theta_rad: NDArray[np.float64]) -> list[NDArray[np.float64]]:

@@ -40,8 +40,8 @@ class TurningFlux:
     """What one capture of a turning motor tells.
 
     `rows` are the rows of `i_A` that were used, shape (n,). `omega_e_rad_s` is the mean electrical
-    speed by the flux, `angle_rad` the electrical angle of the rotor flux there, and `flux_Wb` the rotor flux
-    itself. `second_Wb` is the
+    speed by the flux, `angle_rad` the electrical angle of the rotor flux there, and `active_Wb` the active
+    flux itself. `second_Wb` is the
     complex amplitude of what turns against the rotor, of phases that differ. `ripple` is the rms deviation
     from the circle over its radius.
     """
@@ -52,7 +52,7 @@ class TurningFlux:
     omega_e_rad_s: float
     rows: NDArray[np.int64]
     angle_rad: NDArray[np.float64]
-    flux_Wb: NDArray[np.complex128]
+    active_Wb: NDArray[np.complex128]
     second_Wb: complex
     ripple: float
     dof: float
@@ -134,11 +134,26 @@ def turning_flux(
         slope,
         used,
         angle,
-        np.asarray(vector - saliency * i_d * along, np.complex128),
+        np.asarray(vector, np.complex128),
         against,
         ripple,
         max(1.0, turns - 2.0),
     )
+
+
+def rotor_flux(
+    active_Wb: NDArray[np.complex128],
+    i_A: NDArray[np.complex128],
+    theta_e_rad: NDArray[np.float64],
+    saliency_H: float,
+) -> NDArray[np.complex128]:
+    """Return the rotor flux of an active flux, less what a salient rotor adds along its electrical angle.
+
+    That is the encoder's: harmonics turn the flux to and fro, and with a current along the rotor its own
+    angle would make others of them.
+    """
+    along = np.exp(1j * theta_e_rad)
+    return active_Wb - saliency_H * (i_A * np.conj(along)).real * along
 
 
 def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:

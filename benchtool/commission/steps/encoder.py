@@ -160,7 +160,7 @@ class DraggedRotor:
                     fails=False,
                 )
             )
-        once = math.hypot(found["eccentricity_1_cos"].value, found["eccentricity_1_sin"].value)
+        once = abs(known.with_estimates(found).eccentricity_rad[0])
         if once > _ECCENTRIC_RAD:
             findings.append(
                 Finding(
@@ -349,14 +349,28 @@ def _of_errors(found: Alignment, basis: Basis) -> tuple[Measurement, ...]:
                 reason = "less than a revolution was turned"
                 measured.append(Measurement.undefined(name, "rad", definition, reason, basis))
                 continue
+            assert found.apart_rad is not None
+            lines = [
+                Contribution("deviations over the revolutions", "A", found.error_standard_rad, found.dof),
+                Contribution(
+                    "swings of the rotor, which differ both ways",
+                    "A",
+                    found.apart_rad[n - 1] / math.sqrt(8.0),  # of the mean of two, in one of two parts
+                    2.0,
+                ),
+            ]
             z = found.errors_rad[n - 1]
-            u = combined([Contribution("deviations", "A", found.error_standard_rad, found.dof)], "deviations")
             value = z.real if part == "cos" else z.imag
+            u = combined(lines, "deviations over the revolutions and between both ways")
             measured.append(Measurement(name, value, "rad", definition, basis, u))
     return tuple(measured)
 
 
 def _lag(found: Alignment, basis: Basis) -> Measurement:
-    u = combined([Contribution("deviations", "A", found.offset_standard_rad, found.dof)], "deviations")
+    lines = [
+        Contribution("deviations over the revolutions", "A", found.lag_standard_rad, found.dof),
+        Contribution("what the equation leaves out", "B", _LEFT_OUT_RAD / math.sqrt(3.0)),
+    ]
+    u = combined(lines, "deviations from the current's angle")
     definition = "electrical angle by which friction holds the rotor behind the current"
     return Measurement("friction_lag", found.lag_rad, "rad", definition, basis, u)

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from benchtool.analysis import Basis, Contribution, Measurement, combined
+from benchtool.analysis import Basis, Contribution, Measurement, Uncertainty, combined, sure_of
 from benchtool.block import Block
 from benchtool.commission.estimators.cogging import Cogging, cogging, without
 from benchtool.commission.estimators.mechanics import Course, Mechanics, mechanics
@@ -30,11 +30,10 @@ _ROUNDS = 5
 _LEAST_COGGING, _MOST_ORDERS, _LEFT_OUT_COGGING = 0.001, 4, 0.05  # of the rated torque; relative
 _LEFT_OUT_NM = 2e-4  # of the rated torque, that is no friction
 _FACTOR = 2.0
-_TOLD: Final[Mapping[str, float]] = {"J": 0.025, "coulomb": 0.045, "friction": 0.07}
-"""Largest relative standard uncertainty of an estimate that is given."""
+_TOLD: Final[Mapping[str, float]] = {"J": 0.05, "coulomb": 0.09, "friction": 0.14}
+"""Largest relative expanded uncertainty of an estimate that is given."""
 _LOAD_SHARE = 0.02
 _RUBS = 0.13  # of the rated torque: friction beyond it is a load
-_SURE = 4.0  # standard uncertainties
 
 
 class Reversals:
@@ -100,8 +99,8 @@ class Reversals:
         findings: list[Finding] = []
         if "inertia_ratio" not in found:  # the shaft did not turn
             return ()
-        times, u_times = found["inertia_ratio"], found["inertia_ratio"].uncertainty
-        unsure = 0.0 if u_times is None else _SURE * u_times.standard
+        times = found["inertia_ratio"]
+        unsure = sure_of(times.uncertainty)
         if times.value - unsure > _FACTOR or times.value + unsure < 1.0 / _FACTOR:
             J = times.value * known.motor.J_kgm2
             findings.append(
@@ -127,7 +126,7 @@ class Reversals:
             )
         load = found["load"]
         least = _LOAD_SHARE * known.motor.T_N_Nm
-        if load.uncertainty is not None and abs(load.value) > max(least, 4.0 * load.uncertainty.standard):
+        if abs(load.value) > max(least, sure_of(load.uncertainty)):
             findings.append(
                 Finding(
                     f"a torque of {load.value:.4g} Nm turns the shaft one way",
@@ -244,7 +243,7 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
             late_Nms,
         ),
     )
-    measured = []
+    measured, uncertain = [], dict[str, Uncertainty]()
     for name, value, standard, dof, left_out, late in estimates:
         unit, definition = _DEFINITIONS[name]
         lines = [
@@ -255,20 +254,24 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
         ]
         u = combined([each for each in lines if each.standard > 0.0], "scatter over speeds and directions")
         assert u is not None
-        if u.standard > _TOLD[name] * abs(value):
-            reason = f"{value:.3g} {unit} with a standard uncertainty of {u.standard:.2g}: not determined"
+        uncertain[name] = u
+        if u.expanded > _TOLD[name] * abs(value):
+            reason = f"{value:.3g} {unit} with an expanded uncertainty of {u.expanded:.2g}: not determined"
             measured.append(Measurement.undefined(name, unit, definition, reason, basis))
         else:
             measured.append(Measurement(name, value, unit, definition, basis, u))
     u_load = combined([Contribution("scatter", "A", found.load_standard, found.friction_dof)], "scatter")
     definition = "torque at constant speeds that does not depend on the direction"
     rubs_Nm = found.coulomb_Nm + found.friction_Nms * fastest
-    stated = known.motor.J_kgm2
-    u_ratio = combined([Contribution("scatter", "A", found.J_standard / stated, found.J_dof)], "scatter")
     measured += [
         Measurement("friction_torque", rubs_Nm, "Nm", f"of friction at {fastest:.4g} rad/s", basis),
         Measurement(
-            "inertia_ratio", found.J_kgm2 / stated, "", "inertia over the nameplate's", basis, u_ratio
+            "inertia_ratio",
+            found.J_kgm2 / known.motor.J_kgm2,
+            "",
+            "inertia over the nameplate's",
+            basis,
+            uncertain["J"].scaled(1.0 / known.motor.J_kgm2),
         ),
     ]
     return [*measured, Measurement("load", found.load_Nm, "Nm", definition, basis, u_load)]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, Measurement
+from benchtool.analysis import Basis, Measurement, sure_of
 from benchtool.block import Block
 from benchtool.commission.budget import of_fit
 from benchtool.commission.estimators.resistance import resistance
@@ -30,7 +30,7 @@ _SHARES = (1.0, 0.935, 0.97, 0.91, 0.985, 0.95)  # of the rated current
 _FACTOR = 1.5  # from the nameplate on, a resistance is told of
 _OF_LINE_TO_LINE = 0.5
 _NEAR = 0.15
-_UNEQUAL, _SURE = 0.12, 6.0  # a phase's resistance off the mean of the three; standard uncertainties of that
+_UNEQUAL, _SURE = 0.12, 6.0  # a phase's resistance off the mean of the three; `sure_of` so many of that
 
 
 class StandingCurrents:
@@ -179,8 +179,7 @@ def _apart(found: Mapping[str, Measurement]) -> Finding | None:
     each = {phase: found[f"R_{phase}"] for phase in "abc"}
     mean = sum(one.value for one in each.values()) / 3.0
     phase, odd = max(each.items(), key=lambda item: abs(item[1].value - mean))
-    standard = 0.0 if odd.uncertainty is None else odd.uncertainty.standard
-    if abs(odd.value - mean) < max(_UNEQUAL * abs(mean), _SURE * standard):
+    if abs(odd.value - mean) < max(_UNEQUAL * abs(mean), sure_of(odd.uncertainty, _SURE)):
         return None
     others = (3.0 * mean - odd.value) / 2.0
     what = (

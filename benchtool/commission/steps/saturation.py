@@ -32,7 +32,7 @@ _CREST = 4.0 / 3.0  # the longest vector of what dead time and devices take, ove
 _LEFT_OUT = 0.02
 _FIRST = 0.15  # of what dead time takes in a period: in the first the current has no sign yet
 _OF_ROTOR = 0.24  # of the EMF of a rotor that moves: its harmonics, not yet known, and its flux
-_TOLD = 0.025  # largest relative standard uncertainty of an inductance that is given
+_TOLD = 0.05  # largest relative expanded uncertainty of an inductance that is given
 
 
 class Pulses:
@@ -156,8 +156,8 @@ def _measurements(axis: str, curve: Curve, known: Known) -> Iterator[Measurement
             Contribution("what the equation leaves out", "B", abs(float(L_H)) * _LEFT_OUT / math.sqrt(3.0)),
         ]
         u = combined(lines, "scatter of the pulses about the curve")
-        if u is None or not u.standard < _TOLD * float(L_H):
-            large = "" if u is None else f" with a standard uncertainty of {u.standard:.2g}"
+        if u is None or not u.expanded < _TOLD * float(L_H):
+            large = "" if u is None else f" with an expanded uncertainty of {u.expanded:.2g}"
             moved = f"the rotor moved by {math.degrees(moved_rad):.2g} degrees"
             reason = f"{L_H:.3g} H{large}, {moved}: not determined"
             yield Measurement.undefined(name, "H", definition, reason, basis)

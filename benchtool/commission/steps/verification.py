@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from benchtool.analysis import Instruments, Measurement, Window
+from benchtool.analysis import Contribution, Instruments, Measurement, Uncertainty, Window, sure_of
 from benchtool.analysis.balances import (
     FLUX_BALANCE,
     MOTION_BALANCE,
-    SURE,
     UNEXPLAINED,
     Deviation,
+    FluxBalance,
     MotionBalanceSettings,
     contradictions,
     deviations,
 )
 from benchtool.block import Block
+from benchtool.commission.budget import of_two
 from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.second_opinion import ACROSS, of_a_sine
@@ -47,6 +49,7 @@ _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
 _COMPENSATION = "dead_time_compensation"
 _DEAD_TIME = "flux_balance_dead_time_voltage"
+_BRAKED = ("motion_balance_coulomb", "motion_balance_friction")
 
 
 class Verification:
@@ -116,12 +119,17 @@ class Verification:
         link = Sensor.model_validate({"resolution_V": known.link_step_V})
         instruments = Instruments(Bench(channels={"u_dc": link}), [block])
         settings = MotionBalanceSettings(cogging_orders=known.cogging_orders)
+        left: Mapping[str, float] = {}
         for kind, measure in (
             (FLUX_BALANCE, FLUX_BALANCE.measure),
             (MOTION_BALANCE, MOTION_BALANCE.measure),
         ):
             try:
-                found += sound_balance(instruments.applied(measure(window, settings).measurements), known)
+                made = measure(window, settings)
+                told = sound_balance(instruments.applied(made.measurements), known)
+                if isinstance(made.result, FluxBalance):
+                    left = unexplained(made.result, block, known)
+                found += (_beside_harmonics(_with_unexplained(each, left), known) for each in told)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
@@ -134,8 +142,8 @@ class Verification:
         return {each.name: each for each in (*found, speed)}
 
     def findings(self, found: Mapping[str, Measurement], known: Known) -> tuple[Finding, ...]:
-        """Return what the balances contradict, by three combined standard uncertainties and by more than is
-        worth a change, and a speed that was not reached."""
+        """Return what the balances contradict, by more than the uncertainty of both makes likely and by more
+        than is worth a change, and a speed that was not reached."""
         (swing,) = self.plan(known)
         swing_A = math.sqrt(swing.squares_A2s / (swing.request.rows * known.control_period_s))
         asked = swing.stimulus
@@ -150,7 +158,7 @@ class Verification:
             for each in contradictions(_beside(found, known))
             if abs(each.difference)
             > max(
-                SURE * _combined(each, known, swing_A),
+                sure_of(_combined(each, known, swing_A)),
                 _near_zero(each.name, known, swing_A, asked.amplitude),
             )
         ]
@@ -172,16 +180,51 @@ def sound_balance(found: Sequence[Measurement], known: Known) -> Sequence[Measur
         AnalysisError: they rest on another dead time than the one that was found.
     """
     dead = next((each for each in found if each.name == _DEAD_TIME), None)
-    uncertain = None if dead is None else dead.known_uncertainty
-    if dead is not None and uncertain is not None:
+    if dead is not None and dead.known_uncertainty is not None:
         near_zero_V = _NEAR_ZERO * abs(known.drop_V)
-        if abs(dead.value - known.drop_V) > max(SURE * uncertain.standard, near_zero_V):
+        unsure_V = sure_of(of_two(dead, known.estimates.get("dead_time_voltage")))
+        if abs(dead.value - known.drop_V) > max(unsure_V, near_zero_V):
             raise AnalysisError(
                 f"the balance takes {dead.value:.3g} V for dead time, several levels of current have told "
                 f"{known.drop_V:.3g} V, and a wrong part for the resistance with it: the swing takes too "
                 f"little current to tell them apart"
             )
     return found
+
+
+def unexplained(balance: FluxBalance, block: Block, known: Known) -> Mapping[str, float]:
+    """Return by how much the voltage that no parameter explains may move each estimate of a flux balance: it
+    is along the current, or the EMF, or takes part in dead time's, as much as anywhere else."""
+    motor = known.identified
+    omega_e = motor.pole_pairs * float(np.sqrt(np.mean(block.column("omega_m") ** 2)))
+    u_s_V = float(np.sqrt(np.mean(block.column("u_alpha") ** 2 + block.column("u_beta") ** 2)))
+    left_V = balance.unexplained_V
+    left_Wb = left_V / omega_e if omega_e > 0.0 else math.inf
+    return {
+        "flux_balance_R_s": left_V / balance.current_A,
+        "flux_balance_psi_r": left_Wb,
+        "flux_balance_encoder_offset": left_Wb / motor.psi_r_Wb,
+        _DEAD_TIME: left_V * math.pi / 4.0,  # the fundamental of which is that
+        "flux_balance_L_d": motor.L_d_H * left_V / u_s_V,
+        "flux_balance_L_q": motor.L_q_H * left_V / u_s_V,
+    }
+
+
+def _with_unexplained(each: Measurement, left: Mapping[str, float]) -> Measurement:
+    """Return an estimate with what is left unexplained in its uncertainty."""
+    if each.uncertainty is None or each.name not in left:
+        return each
+    line = Contribution("voltage left unexplained", "B", left[each.name])
+    return replace(each, uncertainty=each.uncertainty.with_instruments([line]))
+
+
+def _beside_harmonics(each: Measurement, known: Known) -> Measurement:
+    """Return an estimate; a friction is undefined where the rotor flux has harmonics, which drive currents
+    that brake the shaft."""
+    if each.name not in _BRAKED or not math.isfinite(each.value) or not any(known.flux_harmonics_told):
+        return each
+    reason = "harmonics of the rotor flux brake the shaft, which this balance takes for friction"
+    return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
 
 
 def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, ...]:
@@ -217,8 +260,8 @@ def _near_zero(name: str, known: Known, current_A: float, omega_m_rad_s: float) 
     return 0.0
 
 
-def _combined(each: Deviation, known: Known, current_A: float) -> float:
-    """Return the combined standard uncertainty of the two estimates of one quantity, from a swing of some rms
+def _combined(each: Deviation, known: Known, current_A: float) -> Uncertainty | None:
+    """Return the uncertainty of the difference of the two estimates of one quantity, from a swing of some rms
     current.
 
     A balance is taken that leaves a few percent of the voltage unexplained, and an inductance may be off by
@@ -226,16 +269,9 @@ def _combined(each: Deviation, known: Known, current_A: float) -> float:
     the mean current within a period differs from the samples at its ends, with dead time that acts near one
     of them.
     """
-    other = known.estimates.get(each.name)
     motor = known.identified
     L_H = 0.5 * (motor.L_d_H + motor.L_q_H)
     moved_A = _MOVED * abs(known.drop_V) * known.control_period_s / L_H
     share = dict.fromkeys(_BY_RIPPLE, UNEXPLAINED) | {"J": moved_A / current_A}
-    left = share.get(each.name, 0.0) * abs(each.estimate.value) / math.sqrt(3.0)
-    return math.hypot(
-        left,
-        *(
-            0.0 if one is None or one.known_uncertainty is None else one.known_uncertainty.standard
-            for one in (each.estimate, other)
-        ),
-    )
+    left_out = share.get(each.name, 0.0) * abs(each.estimate.value)
+    return of_two(each.estimate, known.estimates.get(each.name), left_out)

@@ -16,7 +16,7 @@ from benchtool.commission.tuning.margins import Margins
 from benchtool.drive import Stimulus
 
 _CROSSOVER, _PHASE_DEG = 0.10, 5.0
-_UNSURE_DB, _UNSURE_PEAK = 6.0, 1.0  # standard uncertainties of the margins with limits of 6 dB and 2
+_UNSURE_DB, _UNSURE_PEAK = 12.0, 2.0  # U of the margins with limits of 6 dB and 2
 _LEAST_GAIN_DB = 20.0 * math.log10(LEAST_GAIN)
 CHECKED = ("crossover", "phase_margin", "gain_margin", "sensitivity_peak")
 
@@ -88,11 +88,11 @@ def deviations(found: Mapping[str, Measurement], loop: str, design: Margins) -> 
 
 
 def _defined(one: Measurement, other: Measurement, unsure: float) -> Measurement:
-    """Return a margin, or what the frequencies used tell in its place where its standard uncertainty is so
-    large that it tells nothing: at low frequencies, where the loop's gain is large, noise makes a phase of
-    -180 degrees."""
-    standard = 0.0 if one.uncertainty is None else one.uncertainty.standard
-    return one if math.isfinite(one.value) and standard <= unsure else other
+    """Return a margin, or what the frequencies used tell in its place where its uncertainty is so large that
+    it tells nothing: at low frequencies, where the loop's gain is large, noise makes a phase of -180
+    degrees."""
+    U = 0.0 if one.uncertainty is None else one.uncertainty.expanded
+    return one if math.isfinite(one.value) and unsure >= U else other
 
 
 def _finding(loop: str, seen: Measurement, expected: str) -> Finding:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, Uncertainty
 from benchtool.analysis.balances import FluxBalance
 from benchtool.block import Block, Channel
 from benchtool.commission import second_opinion
 from benchtool.commission.known import Known
-from benchtool.commission.second_opinion import balanced, of_a_sine
+from benchtool.commission.second_opinion import balanced, contradictions, of_a_sine
 from benchtool.errors import AnalysisError
 from benchtool.profile import Motor, load_profile
 
@@ -67,6 +67,24 @@ def test_what_fewer_than_half_of_the_captures_tell_is_no_second_opinion(
     else:
         assert f"{6 - refused} of 6 captures" in (psi_r.reason or "")
         assert "7 % of the voltage" in (psi_r.reason or "")
+
+
+@pytest.mark.parametrize(("dof", "contradicts"), [(100.0, True), (2.0, False)])
+def test_two_methods_disagree_by_more_than_few_degrees_of_freedom_make_likely(
+    dof: float, contradicts: bool
+) -> None:
+    own = Measurement("R_s", 1.0, "ohm", "", uncertainty=Uncertainty(0.001, "fit"))
+    other = Measurement("balance_R_s", 1.1, "ohm", "", uncertainty=Uncertainty(0.02, "scatter", dof))
+    found = contradictions({each.name: each for each in (own, other)}, KNOWN)
+    assert bool(found) is contradicts
+
+
+def test_a_second_opinion_that_is_less_certain_than_large_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Told, "unexplained_V", 20.0)  # 0.2 Wb at 100 rad/s, beside 0.17 Wb
+    monkeypatch.setattr(second_opinion, "flux_balance", lambda *_: Told())
+    _, psi_r = balanced([capture()] * 6, KNOWN)
+    assert np.isnan(psi_r.value)
+    assert "with an expanded uncertainty of" in (psi_r.reason or "")
 
 
 def test_harmonics_of_the_emf_are_no_voltage_that_nothing_explains() -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.commission.estimators.alignment import Spin, alignment, continued, motion
 from benchtool.commission.estimators.cogging import cogging
-from benchtool.commission.estimators.flux_linkage import harmonics, turning_flux
+from benchtool.commission.estimators.flux_linkage import harmonics, rotor_flux, turning_flux
 from benchtool.commission.estimators.mechanics import Course, mechanics
 from benchtool.errors import AnalysisError
 
@@ -26,19 +26,20 @@ def spins(
     *,
     turns: float = 2.0,
     swing_rad: float = 0.0,
+    swings: float = SWINGS,
     phases_rad: tuple[float, float] = (0.0, 0.0),
     slip: float = 0.0,
 ) -> list[Spin]:
     """A rotor that is dragged round each way, read by 10 000 counts with an eccentric disc.
 
-    It swings about the current `SWINGS` times with an electrical amplitude that dies down to a third, and is
+    It swings about the current `swings` times with an electrical amplitude that dies down to a third, and is
     shown ahead by a share `slip` of its way.
     """
     found = []
     for sense, phase in zip((1, -1), phases_rad, strict=True):
         along = np.linspace(0.0, 1.0, 3000)
         current = sense * 2.0 * math.pi * P * turns * along + 0.3
-        swing = swing_rad * 3.0**-along * np.sin(2.0 * math.pi * SWINGS * along + phase)
+        swing = swing_rad * 3.0**-along * np.sin(2.0 * math.pi * swings * along + phase)
         shaft = (current - sense * lag_rad + swing) / P * (1.0 + slip)
         shown = shaft + offset_rad
         shown = shown + eccentric_rad * np.cos(shaft - 0.4)
@@ -63,6 +64,22 @@ def test_offset_is_free_of_friction_and_of_an_eccentric_disc(offset_rad: float, 
     assert found.errors_rad is not None
     ahead = 0.4 + offset_rad - found.offset_rad  # theta_m is in whole electrical revolutions off the shaft
     assert abs(found.errors_rad[0] - 0.01 * complex(math.cos(ahead), math.sin(ahead))) < 3e-4
+
+
+def test_a_swing_of_the_rotor_differs_both_ways_as_an_eccentric_disc_does_not() -> None:
+    """A rotor that swung nearly twice in a revolution looked like a disc of 9 mrad, told to 0.5 mrad."""
+    calm = alignment(spins(0.2, 1), P, 1)
+    assert calm.apart_rad is not None
+    assert max(calm.apart_rad) < 3e-4
+    shares = []
+    for phases in np.random.default_rng(3).uniform(-math.pi, math.pi, (20, 2)):
+        swinging = spins(0.2, 1, swing_rad=0.5, phases_rad=(phases[0], phases[1]), swings=3.8)
+        found = alignment(swinging, P, 1)
+        assert found.errors_rad is not None
+        assert found.apart_rad is not None
+        assert abs(found.errors_rad[1]) > 10.0 * found.error_standard_rad / 2.0
+        shares.append(abs(found.errors_rad[1]) / found.apart_rad[1])
+    assert float(np.median(shares)) < 1.0
 
 
 def test_a_rotor_that_swings_about_the_current_has_the_pole_pairs_that_it_has() -> None:
@@ -121,12 +138,14 @@ def test_one_way_alone_does_not_tell_friction_from_the_offset() -> None:
 R_S, L_D, L_Q, PSI, T_S = 0.2, 1e-4, 1.7e-4, 5e-3, 5e-5
 
 
-def turning(omega_e: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
+def turning(
+    omega_e: float, standing_A: float = 0.0
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
     """Voltages and currents of a salient machine with a fifth harmonic and a constant voltage error."""
     n = 4000
     t = T_S * np.arange(n)
     theta = omega_e * t + 0.7
-    i_dq = 8.0 * np.sin(2.0 * math.pi * 11.0 * t) + 1.5j
+    i_dq = standing_A + 8.0 * np.sin(2.0 * math.pi * 11.0 * t) + 1.5j
     rotor = np.exp(1j * theta)
     flux = (PSI + L_D * i_dq.real + 1j * L_Q * i_dq.imag) * rotor + 0.02 * PSI * np.exp(-5j * theta)
     i = i_dq * rotor
@@ -144,7 +163,19 @@ def test_the_rotor_flux_needs_no_angle_and_no_exact_inductance(omega_e: float) -
     assert found.omega_e_rad_s == pytest.approx(omega_e, rel=1e-3)
     away = np.angle(np.mean(np.exp(1j * (found.angle_rad - theta))))
     assert abs(away) < math.radians(0.3)
-    assert harmonics(found.flux_Wb, theta)[-5] == pytest.approx(0.02 * PSI, abs=2e-3 * PSI)
+    flux_Wb = rotor_flux(found.active_Wb, i, theta, L_D - L_Q)
+    assert harmonics(flux_Wb, theta)[-5] == pytest.approx(0.02 * PSI, abs=2e-3 * PSI)
+
+
+@pytest.mark.parametrize("omega_e", [900.0, -400.0])
+def test_a_salient_rotor_makes_no_harmonics_of_others_by_a_standing_current(omega_e: float) -> None:
+    """By the angle of the flux, which the fifth turns to and fro, a seventh of 5 % of it was seen."""
+    u, i, theta = turning(omega_e, standing_A=10.0)
+    found = turning_flux(u, i, T_s=T_S, R_s_ohm=R_S, L_d_H=L_D, L_q_H=L_Q)
+    flux_Wb = rotor_flux(found.active_Wb, i[found.rows], theta[found.rows], L_D - L_Q)
+    of_orders = harmonics(flux_Wb, theta[found.rows])
+    assert abs(of_orders[-5] - 0.02 * PSI) < 0.01 * 0.02 * PSI
+    assert abs(of_orders[7]) < 0.01 * 0.02 * PSI
 
 
 def test_a_motor_that_stands_has_no_circle() -> None:

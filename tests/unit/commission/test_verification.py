@@ -97,4 +97,32 @@ def test_the_balances_know_the_step_that_a_commissioning_assumes_of_the_dc_link(
     found = Verification().estimate([excited_capture()], known)["flux_balance_psi_r"]
     assert found.uncertainty is not None
     by_step = 1.0 / math.sqrt(12.0) / U_DC * found.value
-    assert found.uncertainty.standard == pytest.approx(by_step, rel=0.01)
+    (line,) = (each for each in found.uncertainty.budget if "u_dc" in each.name)
+    assert line.standard == pytest.approx(by_step, rel=0.01)
+
+
+def test_what_the_balance_leaves_unexplained_is_in_its_estimates() -> None:
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0)
+    found = Verification().estimate([excited_capture()], known)
+    lines = {
+        name: [line.standard for line in each.uncertainty.budget if line.name == "voltage left unexplained"]
+        for name, each in found.items()
+        if each.uncertainty is not None
+    }
+    by_name = {name: each[0] for name, each in lines.items() if each}
+    assert {name.removeprefix("flux_balance_") for name in by_name} >= {"R_s", "L_d", "L_q", "psi_r"}
+    assert by_name["flux_balance_encoder_offset"] == pytest.approx(
+        by_name["flux_balance_psi_r"] / EXAMPLE_MOTOR.psi_r_Wb
+    )
+
+
+@pytest.mark.parametrize(("psi_5_Wb", "told"), [(0.0, True), (5e-4, False)])
+def test_a_friction_beside_harmonics_that_brake_is_none(psi_5_Wb: float, told: bool) -> None:
+    certain = Uncertainty(1e-4, "scatter", 10.0)
+    harmonics = Measurement("psi_5_cos", psi_5_Wb, "Wb", "", uncertainty=certain)
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0).with_estimates(
+        {"psi_5_cos": harmonics}
+    )
+    found = Verification().estimate([excited_capture()], known)["motion_balance_friction"]
+    assert math.isfinite(found.value) is told or "brake the shaft" not in found.reason
+    assert ("brake the shaft" in found.reason) is not told
