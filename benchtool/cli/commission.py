@@ -333,6 +333,8 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     for each in content["estimates"].values():
         if "looks_like" in each:
             output.sentence(each["looks_like"], "yellow")
+    for contains, names in _contained(content).items():
+        output.sentence(f"{', '.join(names)}: with {contains}")
     if done.saved:
         output.line("the drive has stored the parameters", "green")
     else:
@@ -341,6 +343,15 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     output.line(f"report: {content['report']}")
     output.verdict(content["verdict"])
     output.document(content)
+
+
+def _contained(content: dict[str, Any]) -> dict[str, list[str]]:
+    """Return what estimates contain that their names do not say, each with these names."""
+    found: dict[str, list[str]] = {}
+    for name, each in content["estimates"].items():
+        if "contains" in each:
+            found.setdefault(each["contains"], []).append(name)
+    return found
 
 
 def _show_plan(session: Session, steps: Sequence[Step], travel_rad: float, output: Output) -> int:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import Measurement
-from benchtool.commission.nameplate import KEYS, conventions, deviation, probable_cause
+from benchtool.commission.known import Known
+from benchtool.commission.nameplate import contained, conventions, deviation, probable_cause, stated
 from benchtool.commission.results import Commissioning, StepResult, StepVerdict
-from benchtool.profile import Motor
 
 
 def document(
@@ -20,11 +20,11 @@ def document(
     report: Path | None = None,
 ) -> dict[str, Any]:
     """Return verdict, steps, estimates and findings, what the drive stores, and what was written."""
-    motor = done.known.motor
+    known, motor = done.known, done.known.motor
     estimates: dict[str, Any] = {}
     for result in done.results:
         for name, each in result.estimates.items():
-            estimates[name] = _estimate(each, motor)
+            estimates[name] = _estimate(each, known)
         if result.verdict is not StepVerdict.PASS:
             estimates |= {name: _nothing(result) for name in result.sets if name not in estimates}
     values = {name: each.value for name, each in done.estimates.items() if math.isfinite(each.value)}
@@ -62,14 +62,15 @@ def _nothing(result: StepResult) -> dict[str, Any]:
     return {"value": None, "reason": f"step {result.name}: {result.reason}"}
 
 
-def _estimate(of: Measurement, motor: Motor) -> dict[str, Any]:
-    off = deviation(of.name, of.value, motor)
+def _estimate(of: Measurement, known: Known) -> dict[str, Any]:
+    motor, series_ohm = known.motor, known.series_ohm
+    off = deviation(of.name, of.value, motor, series_ohm)
     found: dict[str, Any] = {
         "value": of.value if math.isfinite(of.value) else None,
         "unit": of.unit,
         "uncertainty": None,
         "method": of.definition,
-        "nameplate": getattr(motor, KEYS[of.name]) if of.name in KEYS else None,
+        "nameplate": stated(of.name, motor, series_ohm),
         "deviation_percent": None if off is None else 100.0 * off,
     }
     if of.uncertainty is not None:
@@ -78,7 +79,10 @@ def _estimate(of: Measurement, motor: Motor) -> dict[str, Any]:
             "standard": of.uncertainty.standard,
             "k": of.uncertainty.k,
             "dof": dof if math.isfinite(dof) else None,
+            "expanded": of.uncertainty.expanded,
         }
+    if contains := contained(of.name, series_ohm):
+        found["contains"] = contains
     if cause := probable_cause(of.name, of.value, motor):
         found["looks_like"] = cause
     if of.basis.order is not None:

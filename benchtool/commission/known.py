@@ -30,7 +30,7 @@ _FLUX = 1.3  # times what was seen of it, from which on the nameplate's rotor fl
 _LEAST_FLUX = 0.02  # of the nameplate's
 _LEAST_L = 0.1  # of the nameplate's
 _AS_STATED = (0.65, 1.5)  # resistance of a winding over what a nameplate states of it
-_SERIES_AS_STATED = (0.5, 2.0)  # of a device, by its temperature, and of a cable
+SERIES_AS_STATED = (0.5, 2.0)  # of a device, by its temperature, and of a cable
 _CODES = 2.0**10  # of a converter of the dc link, at the least
 _NONE: Mapping[str, Measurement] = MappingProxyType({})
 
@@ -212,7 +212,7 @@ class Known:
         least, most = (share * self.motor.R_s_ohm for share in _AS_STATED)
         if self.series_ohm is None:
             return least, most + IN_SERIES_OHM
-        of_least, of_most = _SERIES_AS_STATED
+        of_least, of_most = SERIES_AS_STATED
         return least + of_least * self.series_ohm, most + of_most * self.series_ohm
 
     @property

@@ -23,12 +23,16 @@ KEYS: Final[Mapping[str, str]] = {
 }
 """Keys of `[motor]` that an estimate is compared with."""
 
+WINDING_R: Final = "R_winding"
+"""Name of the estimate of what `R_s` is without what is stated to be in series."""
+
 IN_SERIES_OHM: Final = 0.008
 """Of devices, cable and plugs, which are in the resistance that is measured."""
 
 _NEAR: Final = 0.06
 _NOT_A_DEVIATION: Final = 1.12
 _WINDING: Final = ("R_s", "L_d", "L_q")
+_WITH_SERIES: Final = ("R_s", "R_a", "R_b", "R_c")
 _OF_WINDING: Final = {
     2.0: "the value between two terminals, stated as that of a phase",
     0.5: "half of the phase's value: that of a phase was halved once more",
@@ -45,10 +49,27 @@ _OF_FLUX: Final = {
 }
 
 
-def deviation(name: str, value: float, motor: Motor) -> float | None:
-    """Return estimate over nameplate less 1; None where the nameplate states nothing of it, or zero."""
-    stated = getattr(motor, KEYS[name]) if name in KEYS else 0.0
-    return value / stated - 1.0 if stated and math.isfinite(value) else None
+def stated(name: str, motor: Motor, series_ohm: float | None = None) -> float | None:
+    """Return what the nameplate lets expect of an estimate, of `R_s` with what is stated to be in series with
+    the winding; None where it states nothing."""
+    if name == WINDING_R:
+        return motor.R_s_ohm
+    value: float | None = getattr(motor, KEYS[name]) if name in KEYS else None
+    return value + (series_ohm or 0.0) if name == "R_s" and value is not None else value
+
+
+def deviation(name: str, value: float, motor: Motor, series_ohm: float | None = None) -> float | None:
+    """Return estimate over what the nameplate lets expect, less 1; None where that is nothing, or zero."""
+    expected = stated(name, motor, series_ohm)
+    return value / expected - 1.0 if expected and math.isfinite(value) else None
+
+
+def contained(name: str, series_ohm: float | None) -> str:
+    """Return what an estimate contains that its name does not say; empty of one with nothing else in it."""
+    if name not in _WITH_SERIES:
+        return ""
+    known = f"{series_ohm:.3g} ohm by the profile" if series_ohm else "drive.on_resistance_ohm states none"
+    return f"the devices of the power stage, cable and plugs in series with the winding ({known})"
 
 
 def probable_cause(name: str, value: float, motor: Motor, near: float = _NEAR) -> str:
@@ -90,10 +111,11 @@ def probable_cause(name: str, value: float, motor: Motor, near: float = _NEAR) -
 def conventions(estimates: Mapping[str, float], pole_pairs: int) -> tuple[tuple[str, float, str], ...]:
     """Return the estimates as nameplates state them: what, value, unit."""
     rows: list[tuple[str, float, str]] = []
-    for name, unit in (("R_s", "ohm"), ("L_d", "H"), ("L_q", "H")):
+    resistance = (WINDING_R, WINDING_R) if WINDING_R in estimates else ("R_s", "R_s with what is in series")
+    for name, label, unit in ((*resistance, "ohm"), ("L_d", "L_d", "H"), ("L_q", "L_q", "H")):
         if name in estimates:
-            rows.append((f"{name}, per phase", estimates[name], unit))
-            rows.append((f"{name}, line to line", 2.0 * estimates[name], unit))
+            rows.append((f"{label}, per phase", estimates[name], unit))
+            rows.append((f"{label}, line to line", 2.0 * estimates[name], unit))
     if (psi_r := estimates.get("psi_r", 0.0)) > 0.0:
         rows += _of_flux(psi_r, pole_pairs)
     return tuple(rows)

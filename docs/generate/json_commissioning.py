@@ -19,6 +19,8 @@ class EstimateUncertainty(Document):
     """Coverage factor of 95 %."""
     dof: float | None
     """Effective degrees of freedom; null for infinitely many."""
+    expanded: float
+    """Expanded uncertainty U, of 95 %."""
 
 
 class Estimate(Document):
@@ -33,11 +35,14 @@ class Estimate(Document):
     method: str | None = None
     """What it is by."""
     nameplate: float | None = None
-    """What the profile states, as a nameplate; null where it does not."""
+    """What the profile lets expect, as a nameplate; of `R_s` with what it states to be in series with the
+    winding; null where it states nothing."""
     deviation_percent: float | None = None
     """Value over nameplate, less 1, in percent; null where the nameplate states nothing."""
     looks_like: str | None = None
     """What a deviation by a telling factor (2, 3/2, sqrt 3, p, ...) probably is; left out of others."""
+    contains: str | None = None
+    """What the value contains that its name does not say, as `R_s` the devices; left out of others."""
     order: int | None = None
     """How often in a revolution of the shaft it comes, of the amplitude of a torque; left out of others."""
     reason: str | None = None

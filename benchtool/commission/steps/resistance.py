@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis import Basis, Measurement, sure_of
+from benchtool.analysis import Basis, Contribution, Measurement, combined, sure_of
 from benchtool.block import Block
 from benchtool.commission.budget import of_fit
 from benchtool.commission.estimators.resistance import resistance
 from benchtool.commission.excitation import Excitation
-from benchtool.commission.known import Known
-from benchtool.commission.nameplate import IN_SERIES_OHM
+from benchtool.commission.known import SERIES_AS_STATED, Known
+from benchtool.commission.nameplate import IN_SERIES_OHM, WINDING_R
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.step import Finding
 from benchtool.drive import CaptureRequest, Stimulus
@@ -101,6 +101,7 @@ class StandingCurrents:
                 of_fit(found.drop_V, found.drop_standard_V, found.dof, scatter, known),
             ),
         ]
+        estimates.append(of_winding(estimates[0], known))
         gains = found.gains
         for phase, gain, standard in zip("abc", gains.corrections, gains.standard, strict=True):
             estimates.append(
@@ -161,6 +162,21 @@ class StandingCurrents:
                 ),
             )
         return ()
+
+
+def of_winding(R_s: Measurement, known: Known) -> Measurement:
+    """Return the resistance of the winding alone: what was measured, less what is stated to be in series."""
+    definition = "R_s less what is stated to be in series with the winding, drive.on_resistance_ohm"
+    if not known.series_ohm or R_s.uncertainty is None:
+        reason = "no drive.on_resistance_ohm is stated beside an R_s_ohm of the winding alone"
+        return Measurement.undefined(WINDING_R, "ohm", definition, reason, R_s.basis)
+    least, most = (share * known.series_ohm for share in SERIES_AS_STATED)
+    lines = [
+        R_s.uncertainty.line("R_s"),
+        Contribution("what is stated to be in series", "B", (most - least) / math.sqrt(12.0)),
+    ]
+    u = combined(lines, "what is stated to be in series, R_s")
+    return Measurement(WINDING_R, R_s.value - known.series_ohm, "ohm", definition, R_s.basis, u)
 
 
 def _looks_line_to_line(R_s_ohm: float, stated_ohm: float, series_ohm: float | None) -> bool:

@@ -48,6 +48,7 @@ def commissioning_report(document: Mapping[str, Any], bundles: Sequence[Bundle])
     when = manifest.when if manifest else ""
     front: list[Item] = [_verdict(document), *_warnings(document)]
     results = {name for each in document["steps"].values() for name in each["sets"]}
+    results |= {name for name, each in document["estimates"].items() if each.get("nameplate") is not None}
     front.append(_estimates("Results", document, bundles, results))
     if manifest is not None:
         front.append(Section("What was commissioned", (run_facts(manifest),)))
@@ -123,12 +124,17 @@ def _estimates(
                 each.get("unit") or "",
                 NOTHING if each.get("nameplate") is None else number(each["nameplate"]),
                 Cell(NOTHING if off is None else f"{off:+.2f}".replace("-", "−"), "fail" if said else ""),
-                said or each.get("reason") or "",
+                said or each.get("reason") or _contains(each),
             )
         )
     headings = ("estimate", ">value ± U (95 %)", "unit", ">nameplate", ">deviation (%)", "remark")
     caption = "Per phase, amplitude-invariant (peak); each with its method, which unfolds."
     return Section(title, (Grid.of(headings, rows, caption),))
+
+
+def _contains(estimate: Mapping[str, Any]) -> str:
+    contains = estimate.get("contains", "")
+    return f"with {contains}" if contains else ""
 
 
 def _steps(document: Mapping[str, Any]) -> Section:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from benchtool.analysis import Measurement
+from benchtool.analysis import Measurement, Uncertainty
 from benchtool.commission.known import Known
-from benchtool.commission.steps.resistance import StandingCurrents
+from benchtool.commission.steps.resistance import StandingCurrents, of_winding
 from benchtool.profile import load_profile
 
 MOTOR = load_profile("zhu2011").motor
@@ -54,3 +56,16 @@ def test_what_a_data_sheet_states_in_series_is_taken_off_before(
     found_ohm: float, stated_ohm: float, series_ohm: float | None, is_told: bool
 ) -> None:
     assert ("line to line" in told(found_ohm, stated_ohm, series_ohm)) is is_told
+
+
+@pytest.mark.parametrize("series_ohm", [None, 0.0, 0.0025])
+def test_the_winding_alone_is_told_as_well_as_what_is_in_series_is_known(series_ohm: float | None) -> None:
+    R_s = Measurement("R_s", 0.0062, "ohm", "", uncertainty=Uncertainty(3e-5, "scatter"))
+    found = of_winding(R_s, Known(MOTOR, 1e-4, 122.6, series_ohm=series_ohm))
+    if not series_ohm:
+        assert math.isnan(found.value)
+        assert "drive.on_resistance_ohm" in found.reason
+        return
+    assert found.value == pytest.approx(0.0037)
+    assert found.uncertainty is not None
+    assert found.uncertainty.standard == pytest.approx(math.hypot(3e-5, 1.5 * 0.0025 / math.sqrt(12.0)))
