@@ -49,6 +49,7 @@ _BY_RIPPLE = ("L_d", "L_q")  # which a current without ripple does not tell
 _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
 _COMPENSATION = "dead_time_compensation"
 _DEAD_TIME = "flux_balance_dead_time_voltage"
+_REVERSED = 0.1  # of the greatest speed, beyond which it has turned back
 _BRAKED = ("motion_balance_coulomb", "motion_balance_friction")
 
 
@@ -129,7 +130,8 @@ class Verification:
                 told = sound_balance(instruments.applied(made.measurements), known)
                 if isinstance(made.result, FluxBalance):
                     left = unexplained(made.result, block, known)
-                found += (_beside_harmonics(_with_unexplained(each, left), known) for each in told)
+                told = [_with_flux(_with_unexplained(each, left), known) for each in told]
+                found += (_beside_harmonics(each, known) for each in told)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
@@ -193,20 +195,25 @@ def sound_balance(found: Sequence[Measurement], known: Known) -> Sequence[Measur
 
 
 def unexplained(balance: FluxBalance, block: Block, known: Known) -> Mapping[str, float]:
-    """Return by how much the voltage that no parameter explains may move each estimate of a flux balance: it
-    is along the current, or the EMF, or takes part in dead time's, as much as anywhere else."""
-    motor = known.identified
-    omega_e = motor.pole_pairs * float(np.sqrt(np.mean(block.column("omega_m") ** 2)))
+    """Return by how much the voltage that no parameter explains may move each estimate of a flux balance.
+
+    It is along the current, or the EMF, or takes part in dead time's, as much as anywhere else. Whatever
+    makes it depends on speed and current, and may be another in each half of a swing.
+    """
+    motor, omega_m = known.identified, block.column("omega_m")
+    turns = np.sign(omega_m[np.abs(omega_m) > _REVERSED * np.max(np.abs(omega_m))])
+    halves = 1 + int(np.count_nonzero(np.diff(turns)))
+    omega_e = motor.pole_pairs * float(np.sqrt(np.mean(omega_m**2)))
     u_s_V = float(np.sqrt(np.mean(block.column("u_alpha") ** 2 + block.column("u_beta") ** 2)))
-    left_V = balance.unexplained_V
+    left_V = balance.unexplained_V / math.sqrt(halves)
     left_Wb = left_V / omega_e if omega_e > 0.0 else math.inf
     return {
         "flux_balance_R_s": left_V / balance.current_A,
         "flux_balance_psi_r": left_Wb,
         "flux_balance_encoder_offset": left_Wb / motor.psi_r_Wb,
         _DEAD_TIME: left_V * math.pi / 4.0,  # the fundamental of which is that
-        "flux_balance_L_d": motor.L_d_H * left_V / u_s_V,
-        "flux_balance_L_q": motor.L_q_H * left_V / u_s_V,
+        "flux_balance_L_d": motor.L_d_H * balance.unexplained_V / u_s_V,
+        "flux_balance_L_q": motor.L_q_H * balance.unexplained_V / u_s_V,
     }
 
 
@@ -214,7 +221,20 @@ def _with_unexplained(each: Measurement, left: Mapping[str, float]) -> Measureme
     """Return an estimate with what is left unexplained in its uncertainty."""
     if each.uncertainty is None or each.name not in left:
         return each
-    line = Contribution("voltage left unexplained", "B", left[each.name])
+    return _with_line(each, Contribution("voltage left unexplained", "B", left[each.name]))
+
+
+def _with_flux(each: Measurement, known: Known) -> Measurement:
+    """Return an estimate; an inertia with the uncertainty of the rotor flux, which makes the torque."""
+    psi_r = known.estimates.get("psi_r")
+    if each.name != "motion_balance_J" or psi_r is None or psi_r.uncertainty is None:
+        return each
+    return _with_line(each, psi_r.uncertainty.line("rotor flux of its own step", each.value / psi_r.value))
+
+
+def _with_line(each: Measurement, line: Contribution) -> Measurement:
+    if each.uncertainty is None:
+        return each
     return replace(each, uncertainty=each.uncertainty.with_instruments([line]))
 
 

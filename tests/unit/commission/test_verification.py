@@ -126,3 +126,14 @@ def test_a_friction_beside_harmonics_that_brake_is_none(psi_5_Wb: float, told: b
     found = Verification().estimate([excited_capture()], known)["motion_balance_friction"]
     assert math.isfinite(found.value) is told or "brake the shaft" not in found.reason
     assert ("brake the shaft" in found.reason) is not told
+
+
+def test_an_inertia_is_as_uncertain_as_the_rotor_flux_that_makes_the_torque() -> None:
+    psi_Wb = EXAMPLE_MOTOR.psi_r_Wb
+    psi_r = Measurement("psi_r", psi_Wb, "Wb", "", uncertainty=Uncertainty(0.003 * psi_Wb, "fit"))
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0)
+    found = Verification().estimate([excited_capture()], known.with_estimates({"psi_r": psi_r}))
+    J = found["motion_balance_J"]
+    assert J.uncertainty is not None
+    (line,) = (each for each in J.uncertainty.budget if each.name == "rotor flux of its own step")
+    assert line.standard == pytest.approx(0.003 * J.value)
