@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from benchtool.analysis import Basis, Contribution, Measurement, combined
+from benchtool.analysis import Basis, Contribution, Measurement, Uncertainty, combined
 from benchtool.block import Block
 from benchtool.commission.estimators.alignment import Alignment, Motion, Spin, alignment, motion
 from benchtool.commission.estimators.vectors import vector_of
@@ -38,6 +38,7 @@ _NEAREST = 0.25  # of a pole pair: further off none is nearest
 _ECCENTRIC_RAD = math.radians(1.3)
 _LOADED_RAD = math.radians(25.0)
 _SLIPS_RAD = 0.9
+_ALIKE = 0.5 / math.tan(0.025 * math.pi)  # mean over difference of equal swings, beyond which 5 % are alike
 _LEAP_RAD = 0.05
 _TOO_FAST = 0x84  # class of the error codes for a speed
 
@@ -350,18 +351,22 @@ def _of_errors(found: Alignment, basis: Basis) -> tuple[Measurement, ...]:
                 measured.append(Measurement.undefined(name, "rad", definition, reason, basis))
                 continue
             assert found.apart_rad is not None
+            apart_rad = found.apart_rad[n - 1]
             lines = [
                 Contribution("deviations over the revolutions", "A", found.error_standard_rad, found.dof),
                 Contribution(
                     "swings of the rotor, which differ both ways",
                     "A",
-                    found.apart_rad[n - 1] / math.sqrt(8.0),  # of the mean of two, in one of two parts
+                    apart_rad / math.sqrt(8.0),  # of the mean of two, in one of two parts
                     2.0,
                 ),
             ]
+            alone = Uncertainty(found.error_standard_rad, lines[0].name, found.dof)
+            U_rad = math.hypot(alone.expanded, _ALIKE * apart_rad)
             z = found.errors_rad[n - 1]
             value = z.real if part == "cos" else z.imag
-            u = combined(lines, "deviations over the revolutions and between both ways")
+            source = "deviations over the revolutions and between both ways"
+            u = combined(lines, source, half_width=U_rad)
             measured.append(Measurement(name, value, "rad", definition, basis, u))
     return tuple(measured)
 

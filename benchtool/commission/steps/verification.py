@@ -50,6 +50,7 @@ _ELECTRICAL = ("R_s", "L_d", "L_q", "psi_r", "encoder_offset")
 _COMPENSATION = "dead_time_compensation"
 _DEAD_TIME = "flux_balance_dead_time_voltage"
 _REVERSED = 0.1  # of the greatest speed, beyond which it has turned back
+_OF_RIPPLE = tuple(f"flux_balance_{name}" for name in _BY_RIPPLE)
 _BRAKED = ("motion_balance_coulomb", "motion_balance_friction")
 
 
@@ -131,7 +132,7 @@ class Verification:
                 if isinstance(made.result, FluxBalance):
                     left = unexplained(made.result, block, known)
                 told = [_with_flux(_with_unexplained(each, left), known) for each in told]
-                found += (_beside_harmonics(each, known) for each in told)
+                found += (_by_ripple(_beside_harmonics(each, known), known) for each in told)
             except AnalysisError as reason:
                 definition = "second opinion by the balance of the verification run"
                 found.append(Measurement.undefined(kind.name, "", definition, str(reason)))
@@ -224,6 +225,14 @@ def _with_unexplained(each: Measurement, left: Mapping[str, float]) -> Measureme
     return _with_line(each, Contribution("voltage left unexplained", "B", left[each.name]))
 
 
+def _by_ripple(each: Measurement, known: Known) -> Measurement:
+    """Return an estimate; an inductance is undefined with a law that modulates, whose ripple tells it not."""
+    if each.name not in _OF_RIPPLE or known.vector_A > 0.0 or not math.isfinite(each.value):
+        return each
+    reason = f"the ripple of the law {known.law} is too small to tell it: the step inductance does"
+    return Measurement.undefined(each.name, each.unit, each.definition, reason, each.basis)
+
+
 def _with_flux(each: Measurement, known: Known) -> Measurement:
     """Return an estimate; an inertia with the uncertainty of the rotor flux, which makes the torque."""
     psi_r = known.estimates.get("psi_r")
@@ -262,8 +271,7 @@ def _beside(found: Mapping[str, Measurement], known: Known) -> tuple[Deviation, 
         "psi_r": motor.psi_r_Wb,
         "J": motor.J_kgm2,
     }
-    electrical = [name for name in _ELECTRICAL if known.vector_A > 0.0 or name not in _BY_RIPPLE]
-    names = {f"flux_balance_{name}" for name in electrical}
+    names = {f"flux_balance_{name}" for name in _ELECTRICAL}
     if math.isfinite(known.value("J", math.nan)):
         names.add("motion_balance_J")
     told = [each for name, each in found.items() if name in names]

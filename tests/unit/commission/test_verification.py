@@ -12,6 +12,7 @@ from benchtool.commission.known import Known
 from benchtool.commission.steps.verification import Verification, sound_balance
 from benchtool.errors import AnalysisError
 from benchtool.profile import load_profile
+from benchtool.protocol.dictionary import Value
 from tests.unit.analysis.example_capture import EXAMPLE_MOTOR
 from tests.unit.analysis.excited_machine import U_DC, excited_capture
 
@@ -102,7 +103,8 @@ def test_the_balances_know_the_step_that_a_commissioning_assumes_of_the_dc_link(
 
 
 def test_what_the_balance_leaves_unexplained_is_in_its_estimates() -> None:
-    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0)
+    held: dict[str, Value] = {"law": "tpc", "u_s": 80.0, "T_k_ratio": 0.7}
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0, held=held)
     found = Verification().estimate([excited_capture()], known)
     lines = {
         name: [line.standard for line in each.uncertainty.budget if line.name == "voltage left unexplained"]
@@ -114,6 +116,16 @@ def test_what_the_balance_leaves_unexplained_is_in_its_estimates() -> None:
     assert by_name["flux_balance_encoder_offset"] == pytest.approx(
         by_name["flux_balance_psi_r"] / EXAMPLE_MOTOR.psi_r_Wb
     )
+
+
+def test_a_law_that_modulates_has_no_ripple_that_tells_inductances() -> None:
+    """Of a motor of 31 uH they were 14 % off, with a stated uncertainty of 6 %."""
+    known = replace(KNOWN, motor=EXAMPLE_MOTOR, u_dc_V=U_DC, u_dc_full_scale_V=1024.0, held={"law": "foc"})
+    found = Verification().estimate([excited_capture()], known)
+    assert math.isfinite(found["flux_balance_R_s"].value)
+    for name in ("flux_balance_L_d", "flux_balance_L_q"):
+        assert math.isnan(found[name].value)
+        assert "law foc" in found[name].reason
 
 
 @pytest.mark.parametrize(("psi_5_Wb", "told"), [(0.0, True), (5e-4, False)])
