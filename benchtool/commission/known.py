@@ -267,19 +267,28 @@ class Known:
         once, twice = (self._told_wave(f"eccentricity_{n}") for n in (1, 2))
         return once, twice
 
+    @property
+    def eccentricity_left_rad(self) -> float:
+        """Amplitude of what is seen of an eccentric encoder and stays within its uncertainty."""
+        seen = (self._wave(f"eccentricity_{n}")[0] for n in (1, 2))
+        return math.hypot(*(abs(one - told) for one, told in zip(seen, self.eccentricity_rad, strict=True)))
+
     def _told_wave(self, name: str) -> complex:
+        wave, U = self._wave(name)
+        return wave if abs(wave) > U else 0j
+
+    def _wave(self, name: str) -> tuple[complex, float]:
+        """Return the complex amplitude of a cosine and a sine, and the larger expanded uncertainty; 0 of what
+        was not found."""
         parts = [self.estimates.get(f"{name}_{part}") for part in ("cos", "sin")]
-        wave = complex(*(0.0 if each is None else each.value for each in parts))
         known = [each.uncertainty for each in parts if each is not None and each.uncertainty is not None]
-        return wave if abs(wave) > max((each.expanded for each in known), default=0.0) else 0j
+        wave = complex(*(0.0 if each is None else each.value for each in parts))
+        return wave, max((each.expanded for each in known), default=0.0)
 
     @property
     def flux_harmonics(self) -> dict[int, complex]:
         """Harmonics of the rotor flux in stator coordinates by their order, complex Wb, as far as found."""
-        return {
-            order: complex(*(self.value(f"psi_{abs(order)}_{part}", 0.0) for part in ("cos", "sin")))
-            for order in HARMONICS
-        }
+        return {order: self._wave(f"psi_{abs(order)}")[0] for order in HARMONICS}
 
     @property
     def flux_harmonics_told(self) -> tuple[int, ...]:

@@ -14,10 +14,7 @@ from benchtool.block import Block
 from benchtool.commission.budget import of_two
 from benchtool.commission.estimators.dead_share import DeadShare, Spun, dead_share
 from benchtool.commission.estimators.flux_linkage import (
-    HARMONICS,
     TurningFlux,
-    harmonics,
-    rotor_flux,
     turning_flux,
 )
 from benchtool.commission.estimators.regression import least_squares
@@ -26,6 +23,7 @@ from benchtool.commission.excitation import Excitation
 from benchtool.commission.known import Known
 from benchtool.commission.nameplate import probable_cause
 from benchtool.commission.second_opinion import balanced, contradictions
+from benchtool.commission.steps.flux_harmonics import angle_of, flux_harmonics, scatter_of
 from benchtool.commission.steps.offsets import CURRENTS
 from benchtool.commission.steps.saturation import CURVE_PERCENT
 from benchtool.commission.steps.speed_loop import FASTEST, at_speed, settling_s
@@ -139,7 +137,7 @@ class BackEmf:
                 combined(lines, "scatter of the EMF about the line"),
             )
         ]
-        of_orders = tuple(_harmonics(blocks, turning, moved, known))
+        of_orders = tuple(flux_harmonics(blocks, turning, moved, known, _mean_rounded_Wb(turning, known)))
         told = known.with_estimates({each.name: each for each in of_orders})
         measured += [*balanced(blocks, told), _angle(blocks, turning, known), *of_orders]
         return {each.name: each for each in measured}
@@ -255,110 +253,19 @@ def _angle(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known
     captures."""
     ahead = []
     for block, each in zip(blocks, turning, strict=True):
-        shaft = known.without_eccentricity(_angle_of(block))[each.rows]
+        shaft = known.without_eccentricity(angle_of(block))[each.rows]
         ahead.append(np.mean(np.exp(1j * (known.identified.pole_pairs * shaft - each.angle_rad))))
     angles = np.angle(np.array(ahead) * np.conj(np.mean(ahead))) + np.angle(np.mean(ahead))
     p, counts = known.identified.pole_pairs, 4.0 * known.encoder_lines
     flux_Wb = float(np.mean([each.psi_r_Wb for each in turning]))
     lines = [
-        _scatter(angles),
+        scatter_of(angles),
         Contribution("count of the encoder", "B", 2.0 * math.pi * p / counts / math.sqrt(12.0)),
         Contribution("dead time along the current", "B", _mean_rounded_Wb(turning, known) / flux_Wb),
     ]
     definition = "electrical angle by which the encoder is ahead of the flux that the voltage makes"
     u = combined(lines, "scatter over speeds and directions")
     return Measurement("angle_difference", float(np.mean(angles)), "rad", definition, uncertainty=u)
-
-
-def _harmonics(
-    blocks: Sequence[Block], turning: Sequence[TurningFlux], moved: Sequence[TurningFlux], known: Known
-) -> Iterator[Measurement]:
-    """Yield the harmonics of the rotor flux, mean over the captures, in the frame of the encoder's angle.
-
-    What dead time and devices take where a phase current goes through zero comes there at each sixth of a
-    revolution of the flux, and along the EMF: the voltages of all these orders are off by as much as the
-    fundamental, and the fluxes by less, as each turns faster. An angle that is off turns each harmonic.
-
-    Args:
-        blocks, turning: the captures, and what they tell.
-        moved: what they tell with another share of dead time.
-        known: before this step.
-    """
-    rounded_Wb, offset = _mean_rounded_Wb(turning, known), known.estimates.get("encoder_offset")
-    aside_rad = 0.0
-    if offset is not None and offset.uncertainty is not None:
-        aside_rad = known.identified.pole_pairs * offset.uncertainty.standard
-    found, other = (_of_captures(blocks, each, known) for each in (turning, moved))
-    of_inductances_Wb = _unsure_L_H(known) * _harmonic_A(blocks, turning, known)
-    for order in HARMONICS:
-        z, with_share = found[order], complex(np.mean(other[order]))
-        mean = complex(np.mean(z))
-        turned_Wb = abs(order) * aside_rad
-        parts = (
-            ("cos", z.real, mean.real, with_share.real, mean.imag, rounded_Wb / abs(order)),
-            ("sin", z.imag, mean.imag, with_share.imag, mean.real, 0.0),
-        )
-        for part, values, value, by_share, across_Wb, along_EMF_Wb in parts:
-            lines = [
-                _scatter(values),
-                Contribution("dead time near zero current", "B", along_EMF_Wb),
-                Contribution("dead time and devices, their shares", "A", abs(by_share - value)),
-                Contribution("offset of the encoder", "B", turned_Wb * abs(across_Wb)),
-                Contribution("inductances", "B", of_inductances_Wb),
-            ]
-            yield Measurement(
-                f"psi_{abs(order)}_{part}",
-                value,
-                "Wb",
-                f"{part} part of the rotor flux that turns {order} times as fast as the rotor",
-                uncertainty=combined(lines, "scatter over speeds and directions"),
-            )
-
-
-def _of_captures(
-    blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known
-) -> dict[int, NDArray[np.complex128]]:
-    """Return the harmonics of the rotor flux by their orders, of each capture, shapes (n,)."""
-    found, saliency_H = [], known.identified.L_d_H - known.identified.L_q_H
-    for block, each in zip(blocks, turning, strict=True):
-        theta_e, i_A = _seen(block, each, known)
-        found.append(harmonics(rotor_flux(each.active_Wb, i_A, theta_e, saliency_H), theta_e))
-    return {order: np.array([each[order] for each in found]) for order in HARMONICS}
-
-
-def _seen(block: Block, of: TurningFlux, known: Known) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-    """Return the electrical angle by the encoder, and the current, of the rows that were used."""
-    theta_e = known.identified.pole_pairs * known.without_eccentricity(_angle_of(block))
-    i_A = vector_of(np.column_stack([block.column(name) for name in CURRENTS])[1:])
-    return theta_e[of.rows], i_A[of.rows]
-
-
-def _harmonic_A(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> float:
-    """Return the rms over the captures of the currents that the harmonics of the rotor flux drive, peak."""
-    squares = []
-    for block, each in zip(blocks, turning, strict=True):
-        theta_e, i_A = _seen(block, each, known)
-        squares.append(sum(abs(wave) ** 2 for wave in harmonics(i_A, theta_e).values()))
-    return math.sqrt(float(np.mean(squares)))
-
-
-def _unsure_L_H(known: Known) -> float:
-    """Return the standard uncertainty of the inductance that is known less well."""
-    of_both = (known.estimates.get(name) for name in ("L_d", "L_q"))
-    return max(
-        (each.uncertainty.standard for each in of_both if each is not None and each.uncertainty is not None),
-        default=0.0,
-    )
-
-
-def _scatter(values: NDArray[np.float64]) -> Contribution:
-    standard = float(np.std(values, ddof=1)) / math.sqrt(len(values))
-    return Contribution("scatter over speeds and directions", "A", standard, len(values) - 1.0)
-
-
-def _angle_of(block: Block) -> NDArray[np.float64]:
-    unwrapped: NDArray[np.float64] = np.unwrap(block.column("theta_m"))[1:]
-    return unwrapped
 
 
 @dataclass(frozen=True)

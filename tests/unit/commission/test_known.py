@@ -33,6 +33,7 @@ def test_an_eccentric_disc_within_its_uncertainty_is_none(U_rad: float, told: bo
     found = {name: Measurement(name, value, "rad", "", uncertainty=u) for name, value in parts.items()}
     known = KNOWN.with_estimates(found)
     assert known.eccentricity_rad == (0j, complex(0.006, -0.008) if told else 0j)
+    assert known.eccentricity_left_rad == pytest.approx(0.0 if told else 0.01)
     theta = np.linspace(0.0, 6.0, 50)
     error = 0.006 * np.cos(2.0 * theta) - 0.008 * np.sin(2.0 * theta)
     assert known.without_eccentricity(theta) == pytest.approx(theta - (error if told else 0.0))
