@@ -10,6 +10,7 @@ with a right nameplate and an encoder the right way round, in which nothing is t
 the same of machines that saturate (`benchmarks.saturating`), and `wrong` one wrong set-up each
 (`benchmarks.wrong_setups`), which is to be named.
 
+What is stated beside the parameters is held against its uncertainty (`benchmarks.commissioned_numbers`).
 Truth is what the sensors let be seen: a gain that all current sensors have in common scales R_s, L and J.
 """
 
@@ -29,6 +30,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from benchmarks.commissioned_numbers import errors_beside, figures_beside, truth_beside
 from benchmarks.figures import print_figures
 from benchmarks.saturating import curve, saturate
 from benchmarks.wrong_setups import CASES, FOUR_MOTORS, named
@@ -407,7 +409,10 @@ def campaign(motors: Sequence[str], options: argparse.Namespace) -> dict[str, ob
             bench = clean(motor) if options.series == "right" else _DRAWN[options.series](motor, rng)
             link = _LINKS[(k + place) % len(_LINKS)]
             made = commissioned(bench, steps, link, seed=options.seed + k)
-            runs.append({"motor": motor, "document": made, "errors": errors(made["estimates"], bench.truth)})
+            found = made["estimates"]
+            told = truth_beside(bench.profile, bench.truth, found)
+            runs.append({"motor": motor, "document": made, "errors": errors(found, bench.truth)})
+            runs[-1]["beside"] = errors_beside(found, told)
             if options.each:
                 shares = {name: round(each["of_tolerance"], 2) for name, each in runs[-1]["errors"].items()}
                 z = {name: round(each["z"], 1) for name, each in runs[-1]["errors"].items() if "z" in each}
@@ -415,7 +420,8 @@ def campaign(motors: Sequence[str], options: argparse.Namespace) -> dict[str, ob
                 print(motor, f"{made['drive_s']:.1f} s", "of tolerance", shares, "z", z, said, flush=True)
     repeated = spread(runs) if options.series == "repeats" else {}
     drawn = {"series": options.series, "seed": options.seed}
-    return {**drawn, **figures(runs), **repeated, "motors": of_motors(runs)}
+    beside = figures_beside([each["beside"] for each in runs])
+    return {**drawn, **figures(runs), **repeated, **beside, "motors": of_motors(runs)}
 
 
 if __name__ == "__main__":

@@ -269,7 +269,7 @@ class Known:
 
     @property
     def eccentricity_left_rad(self) -> float:
-        """Amplitude of what is seen of an eccentric encoder and stays within its uncertainty."""
+        """Amplitude that was seen of an eccentric encoder and stays within its uncertainty."""
         seen = (self._wave(f"eccentricity_{n}")[0] for n in (1, 2))
         return math.hypot(*(abs(one - told) for one, told in zip(seen, self.eccentricity_rad, strict=True)))
 

@@ -106,7 +106,7 @@ SECTIONS: Final = (
         "drive keeps what was found (`benchtool.commission`).",
         """
         0118 0152 0136 0135 0171 0178 0138 0177 0197
-        0137 0176 0183 0194 0196
+        0137 0176 0183 0194 0196 0399
         """,
     ),
     Section(
@@ -127,8 +127,8 @@ SECTIONS: Final = (
         "What a plan asks for, what a run does, and how a recording is kept (`benchtool.plan`, "
         "`benchtool.run`, `benchtool.recording`).",
         """
-        0009 0027 0517 0087 0111 0155 0131 0521
-        0030 0349 0031 0080 0145 0078
+         0009 0027 0517 0087 0111 0155 0131 0521 0403
+         0030 0349 0031 0080 0145 0078
         """,
     ),
     Section(

@@ -232,7 +232,7 @@ def _errors_alone(
 
 def _last(theta: NDArray[np.float64], revolutions: float) -> NDArray[np.bool_]:
     """Return which rows are of the last revolutions."""
-    return np.abs(theta - theta[-1]) <= 2.0 * math.pi * revolutions
+    return np.asarray(np.abs(theta - theta[-1]) <= 2.0 * math.pi * revolutions)
 
 
 def _amplitudes(waves: NDArray[np.float64]) -> tuple[complex, complex]:

@@ -153,7 +153,7 @@ def rotor_flux(
     angle would make others of them.
     """
     along = np.exp(1j * theta_e_rad)
-    return active_Wb - saliency_H * (i_A * np.conj(along)).real * along
+    return np.asarray(active_Wb - saliency_H * (i_A * np.conj(along)).real * along, np.complex128)
 
 
 def harmonics(flux_Wb: NDArray[np.complex128], theta_e_rad: NDArray[np.float64]) -> dict[int, complex]:
