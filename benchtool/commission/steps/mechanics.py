@@ -263,8 +263,13 @@ def _measurements(found: Mechanics, blocks: Sequence[Block], known: Known) -> li
     u_load = combined([Contribution("scatter", "A", found.load_standard, found.friction_dof)], "scatter")
     definition = "torque at constant speeds that does not depend on the direction"
     rubs_Nm = found.coulomb_Nm + found.friction_Nms * fastest
+    of_both = [
+        uncertain["coulomb"].line("Coulomb friction"),
+        uncertain["friction"].line("viscous friction", fastest),
+    ]
+    u_rubs = combined(of_both, "Coulomb and viscous friction")
     measured += [
-        Measurement("friction_torque", rubs_Nm, "Nm", f"of friction at {fastest:.4g} rad/s", basis),
+        Measurement("friction_torque", rubs_Nm, "Nm", f"of friction at {fastest:.4g} rad/s", basis, u_rubs),
         Measurement(
             "inertia_ratio",
             found.J_kgm2 / known.motor.J_kgm2,
