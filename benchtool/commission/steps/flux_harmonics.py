@@ -22,6 +22,7 @@ def flux_harmonics(
     moved: Sequence[TurningFlux],
     known: Known,
     rounded_Wb: float,
+    across_Wb: float,
 ) -> Iterator[Measurement]:
     """Yield the harmonics of the rotor flux, mean over the captures, in the frame of the encoder's angle.
 
@@ -34,13 +35,16 @@ def flux_harmonics(
         moved: what they tell with another share of dead time.
         known: before this step.
         rounded_Wb: what the fundamental may be off by, by dead time near zero current.
+        across_Wb: what it may be off by, by dead time, of a current that is all across the flux.
     """
     offset = known.estimates.get("encoder_offset")
     aside_rad = 0.0
     if offset is not None and offset.uncertainty is not None:
         aside_rad = known.identified.pole_pairs * offset.uncertainty.standard
     found, other = (_of_captures(blocks, each, known) for each in (turning, moved))
-    of_inductances_Wb = _unsure_L_H(known) * _harmonic_A(blocks, turning, known)
+    harmonic_A, whole_A = _currents_A(blocks, turning, known)
+    of_inductances_Wb = _unsure_L_H(known) * harmonic_A
+    across_Wb *= harmonic_A / whole_A
     for order in HARMONICS:
         z, with_share = found[order], complex(np.mean(other[order]))
         mean = complex(np.mean(z))
@@ -48,15 +52,16 @@ def flux_harmonics(
         # an angle that goes to and fro by a shows J_0(n a) of a harmonic, 1 - (n a)^2 / 4
         lost = 0.25 * (order * known.identified.pole_pairs * known.eccentricity_left_rad) ** 2
         parts = (
-            ("cos", z.real, mean.real, with_share.real, mean.imag, rounded_Wb / abs(order)),
+            ("cos", z.real, mean.real, with_share.real, mean.imag, rounded_Wb),
             ("sin", z.imag, mean.imag, with_share.imag, mean.real, 0.0),
         )
-        for part, values, value, by_share, across_Wb, along_EMF_Wb in parts:
+        for part, values, value, by_share, other_Wb, along_EMF_Wb in parts:
             lines = [
                 scatter_of(values),
-                Contribution("dead time near zero current", "B", along_EMF_Wb),
+                Contribution("dead time near zero current", "B", along_EMF_Wb / abs(order)),
+                Contribution("dead time of the harmonics' currents", "B", across_Wb / abs(order)),
                 Contribution("dead time and devices, their shares", "A", abs(by_share - value)),
-                Contribution("offset of the encoder", "B", turned_Wb * abs(across_Wb)),
+                Contribution("offset of the encoder", "B", turned_Wb * abs(other_Wb)),
                 Contribution("inductances", "B", of_inductances_Wb),
                 Contribution("eccentric encoder", "B", abs(value) * lost / math.sqrt(3.0)),
             ]
@@ -87,13 +92,15 @@ def _seen(block: Block, of: TurningFlux, known: Known) -> tuple[NDArray[np.float
     return theta_e[of.rows], i_A[of.rows]
 
 
-def _harmonic_A(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> float:
-    """Return the rms over the captures of the currents that the harmonics of the rotor flux drive, peak."""
-    squares = []
+def _currents_A(blocks: Sequence[Block], turning: Sequence[TurningFlux], known: Known) -> tuple[float, float]:
+    """Return the rms over the captures of the currents that the harmonics of the rotor flux drive, peak, and
+    of the whole current."""
+    squares, whole = [], []
     for block, each in zip(blocks, turning, strict=True):
         theta_e, i_A = _seen(block, each, known)
         squares.append(sum(abs(wave) ** 2 for wave in harmonics(i_A, theta_e).values()))
-    return math.sqrt(float(np.mean(squares)))
+        whole.append(float(np.mean(np.abs(i_A) ** 2)))
+    return math.sqrt(float(np.mean(squares))), math.sqrt(float(np.mean(whole)))
 
 
 def _unsure_L_H(known: Known) -> float:

@@ -137,7 +137,16 @@ class BackEmf:
                 combined(lines, "scatter of the EMF about the line"),
             )
         ]
-        of_orders = tuple(flux_harmonics(blocks, turning, moved, known, _mean_rounded_Wb(turning, known)))
+        of_orders = tuple(
+            flux_harmonics(
+                blocks,
+                turning,
+                moved,
+                known,
+                _mean_rounded_Wb(turning, known),
+                _ACROSS / _ROUNDED * _mean_rounded_Wb(turning, known),
+            )
+        )
         told = known.with_estimates({each.name: each for each in of_orders})
         measured += [*balanced(blocks, told), _angle(blocks, turning, known), *of_orders]
         return {each.name: each for each in measured}
