@@ -17,7 +17,7 @@ from benchtool.analysis import (
     measurements_from_json,
     measurements_to_json,
 )
-from benchtool.analysis.uncertainty import InstrumentError, combined
+from benchtool.analysis.uncertainty import InstrumentError, combined, sure_of
 from benchtool.errors import AnalysisError
 
 
@@ -145,3 +145,12 @@ def test_the_source_names_instruments_before_what_is_smaller(gain: float, source
 def test_samples_are_a_whole_number_in_a_document() -> None:
     """9500.000000148917 samples were used, in whole periods."""
     assert json.dumps(Basis(samples=9500.000000148917, gaps=0).to_json()) == '{"samples": 9500, "gaps": 0}'
+
+
+@pytest.mark.parametrize("sigmas", [3.0, 6.0])
+@pytest.mark.parametrize("dof", [2.0, 9.0, math.inf])
+def test_what_contradicts_is_as_unlikely_by_few_observations_as_by_many(sigmas: float, dof: float) -> None:
+    unlikely = 2.0 * stats.norm.sf(sigmas)
+    factor = sure_of(Uncertainty(0.1, "scatter", dof), sigmas) / 0.1
+    assert 2.0 * stats.t.sf(factor, min(dof, 1e12)) == pytest.approx(unlikely, rel=1e-3)
+    assert sure_of(None) == 0.0
