@@ -33,7 +33,7 @@ def captures(
         phases = [(along * np.exp(-2j * math.pi * k / 3.0)).real for k in range(3)]
         named = dict(zip(CURRENTS, phases, strict=True))
         blocks.append(Block.from_arrays(1e4, CURRENTS | {"theta_m": "rad"}, **named, theta_m=theta_m))
-        at = theta_e[1:]
+        at = np.asarray(theta_e[1:], np.float64)
         flux = PSI_WB * np.exp(1j * at) + share * PSI_5_WB * np.exp(-5j * at)
         flux += noise * (rng.normal(size=6000) + 1j * rng.normal(size=6000))
         rows = np.arange(6000)
