@@ -199,13 +199,14 @@ def unexplained(balance: FluxBalance, block: Block, known: Known) -> Mapping[str
     """Return by how much the voltage that no parameter explains may move each estimate of a flux balance.
 
     It is along the current, or the EMF, or takes part in dead time's, as much as anywhere else. Whatever
-    makes it depends on speed and current, and may be another in each half of a swing.
+    makes it depends on speed and current, and may be another in each half of a swing. An inductance may be
+    off by as much as a balance may leave unexplained at all: the voltage of a law whose ripple tells it is
+    nearly all across it.
     """
     motor, omega_m = known.identified, block.column("omega_m")
     turns = np.sign(omega_m[np.abs(omega_m) > _REVERSED * np.max(np.abs(omega_m))])
     halves = 1 + int(np.count_nonzero(np.diff(turns)))
     omega_e = motor.pole_pairs * float(np.sqrt(np.mean(omega_m**2)))
-    u_s_V = float(np.sqrt(np.mean(block.column("u_alpha") ** 2 + block.column("u_beta") ** 2)))
     left_V = balance.unexplained_V / math.sqrt(halves)
     left_Wb = left_V / omega_e if omega_e > 0.0 else math.inf
     return {
@@ -213,8 +214,8 @@ def unexplained(balance: FluxBalance, block: Block, known: Known) -> Mapping[str
         "flux_balance_psi_r": left_Wb,
         "flux_balance_encoder_offset": left_Wb / motor.psi_r_Wb,
         _DEAD_TIME: left_V * math.pi / 4.0,  # the fundamental of which is that
-        "flux_balance_L_d": motor.L_d_H * balance.unexplained_V / u_s_V,
-        "flux_balance_L_q": motor.L_q_H * balance.unexplained_V / u_s_V,
+        "flux_balance_L_d": motor.L_d_H * UNEXPLAINED / math.sqrt(3.0),
+        "flux_balance_L_q": motor.L_q_H * UNEXPLAINED / math.sqrt(3.0),
     }
 
 
@@ -292,14 +293,11 @@ def _combined(each: Deviation, known: Known, current_A: float) -> Uncertainty | 
     """Return the uncertainty of the difference of the two estimates of one quantity, from a swing of some rms
     current.
 
-    A balance is taken that leaves a few percent of the voltage unexplained, and an inductance may be off by
-    as much: the voltage of a law whose ripple tells it is nearly all across it. An inertia may be off by what
-    the mean current within a period differs from the samples at its ends, with dead time that acts near one
-    of them.
+    An inertia may be off by what the mean current within a period differs from the samples at its ends, with
+    dead time that acts near one of them.
     """
     motor = known.identified
     L_H = 0.5 * (motor.L_d_H + motor.L_q_H)
     moved_A = _MOVED * abs(known.drop_V) * known.control_period_s / L_H
-    share = dict.fromkeys(_BY_RIPPLE, UNEXPLAINED) | {"J": moved_A / current_A}
-    left_out = share.get(each.name, 0.0) * abs(each.estimate.value)
+    left_out = moved_A / current_A * abs(each.estimate.value) if each.name == "J" else 0.0
     return of_two(each.estimate, known.estimates.get(each.name), left_out)
