@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.passages import Crossing, first_passage, last_passage
+from benchtool.analysis.steps.passages import Crossing, first_passages, last_passages, places_of
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ def rms_beyond_lobes(
     lobe = slice(int(beyond_zero[-1]) + 1 if len(beyond_zero) else 0, last + 1)
     sign = 1.0 if away[last] > 0.0 else -1.0
     lifted = band + _lifted(sign * away[lobe], sign * errors[:, lobe])
-    return _of_both(lambda each: last_passage(each, 0.0, lifted), away, errors, apart, place, drawn)
+    return _of_both(lambda curves: last_passages(curves, 0.0, lifted), away, errors, apart, place, drawn)
 
 
 def rms_beyond_crests(
@@ -64,12 +64,17 @@ def rms_beyond_crests(
     crest = slice(first, int(behind[0]))
     lifted = _lifted(above[crest], errors[:, crest])
     return _of_both(
-        lambda each: first_passage(each - lifted, _SURE * standard), course, errors, apart, place, drawn
+        lambda curves: first_passages(curves - lifted, _SURE * standard),
+        course,
+        errors,
+        apart,
+        place,
+        drawn,
     )
 
 
 def _of_both(
-    passed: Callable[[Floats], Crossing | None],
+    passed: Callable[[Floats], list[Crossing | None]],
     course: Floats,
     errors: Floats,
     apart: NDArray[np.bool_],
@@ -78,8 +83,7 @@ def _of_both(
 ) -> float:
     """Return the rms distance from a place of passages that are apart by lobes, for the noise of both curve
     and draw, beyond that for the noise of a draw."""
-    found = (passed(each) for each in course + _OF_BOTH * errors)
-    of_both = np.array([math.nan if each is None else each.place for each in found])
+    of_both = places_of(passed(course + _OF_BOTH * errors))
     return math.sqrt(max(0.0, _square(of_both, place, apart) - _square(drawn, place, apart)))
 
 

@@ -29,7 +29,10 @@ from benchtool.analysis.steps.passages import (
     Instant,
     Passage,
     first_passage,
+    first_passages,
     last_passage,
+    last_passages,
+    places_of,
     rising,
 )
 from benchtool.analysis.steps.row_times import scatter_of_times
@@ -342,8 +345,7 @@ class NoisyCurve:
         moved = np.random.default_rng(SEED).uniform(-within, within, len(self.errors)) if doubt else ()
         shifted = self.errors - np.reshape(moved, (-1, 1)) if doubt else self.errors
         course = rising(above, sure) if len(shifted) else above
-        drawn = (first_passage(course + each, sure) for each in shifted)
-        places = np.array([math.nan if each is None else each.place for each in drawn])
+        places = places_of(first_passages(course + shifted, sure))
         of_crests = 0.0
         if len(shifted):
             of_crests = rms_beyond_crests(above, course, self.errors, self.standard, found.place, places)
@@ -384,8 +386,7 @@ class NoisyCurve:
         if found is None:
             return None
         errors = self._turning if self.is_on_levels else self.errors
-        drawn = (last_passage(self.values + each, level, band) for each in errors)
-        places = np.array([math.nan if each is None else each.place for each in drawn])
+        places = places_of(last_passages(self.values + errors, level, band))
         is_either = self.is_on_levels and not np.all(np.isnan(places))
         most = float(np.nanmedian(places)) if is_either else found.place
         instant = Passage(most, found.reach, places).instant
@@ -405,8 +406,8 @@ class NoisyCurve:
             return None
         if settled.leaves_late(course):  # itself, or by a rare burst of its noise
             return Instant(found.place, math.inf)
-        drawn = (last_passage(settled.without_noise(course + each), 0.0, band) for each in self.errors)
-        places = np.array([math.nan if each is None else each.place for each in drawn])
+        drawn = settled.all_without_noise(course + self.errors)
+        places = places_of(last_passages(drawn, 0.0, band))
         instant = Passage(found.place, found.reach, places).instant
         # it falls and is there at once, or rises in between and is there later: one is as likely as the other
         rings = settled.with_rises(course, away)

@@ -7,6 +7,7 @@ as noise leaves it where it is.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,6 +22,7 @@ LEAST_DEFINED = 0.9
 _STRAIGHT = 1e-6  # a relative change of slope that is rounding
 _OF_SMOOTH = 9.0 / 384.0  # of a fourth difference: a cubic half way between two samples
 _OF_KINK = 0.375  # likewise, of a kink there, whose fourth difference is half of what its slope changes by
+_AT_ONCE = 1 << 17  # values
 _FAR_APART = 0.3  # of how far draws are apart: of eighty from one distribution hardly any gap is
 SEED = 20_110_301
 """Of all draws of a step, so that those of its instants belong together."""
@@ -101,23 +103,46 @@ class Crossing:
     reach: float
 
 
+def places_of(found: Sequence[Crossing | None]) -> Floats:
+    """Return the places of crossings, nan where there is none."""
+    return np.array([math.nan if each is None else each.place for each in found])
+
+
 def first_passage(above: Floats, sure: Floats) -> Crossing | None:
     """Return where a curve, shape (n,), so far `above` a level first rises to it; None where it does not.
 
     Until it is beyond the level by what is `sure`, shape (n,), or for longer than it went to and fro, samples
     below it put the place off.
     """
-    at = int(np.argmax(above >= 0.0))
-    if above[at] < 0.0:
-        return None
-    found = _between(above, at) if at else _before_the_first(above)
-    after = above[at:]
-    clear = np.flatnonzero((after >= sure[at:]) | (after <= -_TROUGH * sure[at:]))
-    until = int(clear[0]) if len(clear) else _stays(after)
+    return first_passages(above[np.newaxis], sure)[0]
+
+
+def first_passages(above: Floats, sure: Floats) -> list[Crossing | None]:
+    """Return `first_passage` of many curves, shape (curves, n)."""
+    return [each for part in _parts(above) for each in _first_passages(part, sure)]
+
+
+def _first_passages(above: Floats, sure: Floats) -> Iterator[Crossing | None]:
+    first = np.argmax(above >= 0.0, axis=1)
+    is_clear = (above >= sure) | (above <= -_TROUGH * sure)
+    for curve, clear, at, found in zip(above, is_clear, first.tolist(), _between(above, first), strict=True):
+        if curve[at] < 0.0:
+            yield None
+            continue
+        crossing = found if at else _before_the_first(curve)
+        again = _below_again(curve[at:], clear[at:])
+        yield replace(crossing, place=crossing.place + again) if again else crossing
+
+
+def _below_again(after: Floats, is_clear: NDArray[np.bool_]) -> int:
+    """Return how many values, shape (n,), are below zero from the first, which is not, until the curve is
+    clear of it, as it is in some rows, shape (n,)."""
+    until = int(np.argmax(is_clear))
+    if not is_clear[until]:
+        until = _stays(after)
     if after[until] < 0.0:  # it falls from a crest beyond the level, and passes that again later
         until = int(np.flatnonzero(after[:until] >= 0.0)[-1])
-    again = int(np.count_nonzero(after[:until] < 0.0))
-    return Crossing(found.place + again, found.reach) if again else found
+    return int(np.count_nonzero(after[:until] < 0.0)) if until else 0
 
 
 def _stays(after: Floats) -> int:
@@ -172,92 +197,122 @@ def _back_to_zero(height: float, ratio: float) -> float:
 
 def last_passage(values: Floats, level: float, band: float) -> Crossing | None:
     """Return where values, shape (n,), enter a band about a level finally; None where they end outside."""
-    inside = band - np.abs(values - level)
-    outside = np.flatnonzero(inside < 0.0)
-    at = int(outside[-1]) + 1 if len(outside) else 0
-    if at == len(inside):
-        return None
-    return _last_lobe(inside, at) or (_between(inside, at) if at else Crossing(0.0, 0.0))
+    return last_passages(values[np.newaxis], level, band)[0]
 
 
-def _last_lobe(inside: Floats, begin: int) -> Crossing | None:
-    """Return where a curve, which samples from `begin` on show above zero, rises from the last lobe below it
-    between samples: on the parabola through the lowest of three, with what a third difference changes."""
-    first = max(begin, 1)
-    rises = np.diff(inside[first:-1])
-    lowest = np.flatnonzero((rises[:-1] < 0.0) & (rises[1:] >= 0.0)) + (first + 1)
-    if not len(lowest):
-        return None
-    slope = 0.5 * (inside[lowest + 1] - inside[lowest - 1])
-    bend = inside[lowest + 1] - 2.0 * inside[lowest] + inside[lowest - 1]
-    below = slope**2 / (2.0 * bend) - inside[lowest]
-    if not np.any(below > 0.0):
-        return None
-    last = int(np.flatnonzero(below > 0.0)[-1])
-    row, bend_there = int(lowest[last]), float(bend[last])
-    half = math.sqrt(2.0 * float(below[last]) / bend_there)
+def last_passages(values: Floats, level: float, band: float) -> list[Crossing | None]:
+    """Return `last_passage` of many curves, shape (curves, n)."""
+    return [each for part in _parts(values) for each in _last_passages(band - np.abs(part - level))]
+
+
+def _last_passages(inside: Floats) -> Iterator[Crossing | None]:
+    """Yield where curves so far `inside` a band, shape (curves, n), enter it finally."""
+    count = inside.shape[1]
+    outside = [np.flatnonzero(each) for each in inside < 0.0]
+    begin = np.array([int(each[-1]) + 1 if len(each) else 0 for each in outside])
+    lobes, between = _last_lobes(inside, begin), _between(inside, np.minimum(begin, count - 1))
+    for curve, (at, found) in enumerate(zip(begin.tolist(), between, strict=True)):
+        if at == count:
+            yield None
+        else:
+            yield lobes.get(curve) or (found if at else Crossing(0.0, 0.0))
+
+
+def _last_lobes(inside: Floats, begin: NDArray[np.int64]) -> dict[int, Crossing]:
+    """Return where curves, shape (curves, n), which samples from `begin` on, shape (curves,), show above
+    zero, rise from the last lobe below it between samples: on the parabola through the lowest of three, with
+    what a third difference changes. A curve without such a lobe has none."""
+    least = max(int(np.min(begin)), 1)
+    rises = np.diff(inside[:, least:-1], axis=1)
+    falls = rises < 0.0
+    # a vertex is lower than its row by an eighth of the bend at most, and that is no more than two rises
+    is_near = inside[:, least + 1 : -2] < 0.5 * np.max(np.abs(rises), initial=0.0)
+    curve, row = np.nonzero(is_near & falls[:, :-1] & ~falls[:, 1:])
+    row += least + 1
+    later = row > np.maximum(begin, 1)[curve]
+    curve, row = curve[later], row[later]
+    before, lowest, after = (inside[curve, row + offset] for offset in (-1, 0, 1))
+    slope = 0.5 * (after - before)
+    bend = after - 2.0 * lowest + before
+    below = slope**2 / (2.0 * bend) - lowest
+    found: dict[int, Crossing] = {}
+    for at in np.flatnonzero(below > 0.0).tolist():  # the last of each curve
+        of_lobe = int(row[at]), float(slope[at]), float(bend[at]), float(below[at])
+        found[int(curve[at])] = _rise_of_lobe(inside[curve[at]], *of_lobe)
+    return found
+
+
+def _rise_of_lobe(inside: Floats, row: int, slope: float, bend: float, below: float) -> Crossing:
+    """Return where a curve, shape (n,), rises from a lobe about a row, whose parabola has this slope there, a
+    bend, and its vertex so far below zero."""
+    half = math.sqrt(2.0 * below / bend)
     bends = np.diff(inside[row - 2 : row + 3], 2)
-    uneven = float(np.max(np.abs(bends - bend_there))) / (16.0 * bend_there)
-    return Crossing(row - float(slope[last]) / bend_there + half, min(half, uneven / half))
+    uneven = float(np.max(np.abs(bends - bend))) / (16.0 * bend)
+    return Crossing(row - slope / bend + half, min(half, uneven / half))
 
 
-def _between(above: Floats, at: int) -> Crossing:
-    """Return the crossing of zero between samples `at` - 1, below it, and `at`, not below it.
+def _parts(curves: Floats) -> Iterator[Floats]:
+    """Yield curves, shape (curves, n), as many at once as the processor's cache holds."""
+    size = max(1, _AT_ONCE // curves.shape[1])
+    return (curves[begin : begin + size] for begin in range(0, len(curves), size))
+
+
+def _between(above: Floats, at: NDArray[np.int64]) -> Iterator[Crossing]:
+    """Yield the crossing of zero of curves, shape (curves, n), between samples `at` - 1, shape (curves,),
+    below it, and `at`, not below it; of a curve that does not cross it there, any.
 
     The line through the two before (or rest, before the first) and that through the two after bound it,
     unless the curve bends more than samples can show: for a smooth curve the cubic through the four locates
     it, for a jump nothing does. With fewer it is anywhere between, and on the line if that is narrow.
     """
-    below, here = float(above[at - 1]), float(above[at])
-    first = last = line = below / (below - here)
-    slope = below - float(above[at - 2]) if at >= 2 else 0.0
-    from_before = min(1.0, -below / slope) if slope > 0.0 else 1.0
-    first, last = min(first, from_before), max(last, from_before)
-    if at + 1 < len(above):
-        slope = float(above[at + 1]) - here
-        from_after = max(0.0, 1.0 - here / slope) if slope > 0.0 else 0.0
-        first, last = min(first, from_after), max(last, from_after)
-    width, middle = last - first, 0.5 * (first + last)
-    if at >= 2 and at + 1 < len(above):
-        cubic = min(max(_cubic_zero(above[at - 2 : at + 2], line), first), last)
-        place, reach = (1.0 - width) * cubic + width * middle, 0.5 * width
-        if 3 <= at < len(above) - 2:
-            off = _off_a_cubic(above[at - 3 : at + 3]) / (here - below)
-            if off < reach:
-                place, reach = cubic, off
-        return Crossing(at - 1 + place, reach)
-    place = (1.0 - width) * line + width * middle
-    # the width of as large a deviation from there as from the middle of the interval
-    return Crossing(at - 1 + place, math.hypot(0.5 * width, math.sqrt(3.0) * (middle - place)))
+    count = above.shape[1]
+    rows = np.clip(at[:, np.newaxis] + np.arange(-3, 3), 0, count - 1)
+    six = np.take_along_axis(above, rows, axis=1)
+    _, earlier, below, here, later, _ = six.T
+    has_before, has_after = at >= 2, at + 1 < count
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of those that do not cross it
+        line = below / (below - here)
+        rises = has_before & (below > earlier)
+        from_before = np.where(rises, np.minimum(1.0, -below / (below - earlier)), 1.0)
+        rises = later > here
+        from_after = np.where(rises, np.maximum(0.0, 1.0 - here / (later - here)), 0.0)
+        first, last = np.minimum(line, from_before), np.maximum(line, from_before)
+        first = np.where(has_after, np.minimum(first, from_after), first)
+        last = np.where(has_after, np.maximum(last, from_after), last)
+        width, middle = last - first, 0.5 * (first + last)
+        off = _off_a_cubic(six) / (here - below)
+        cubic = np.minimum(np.maximum(_cubic_zero(six[:, 1:5], line), first), last)
+        has_four, has_six = has_before & has_after, (at >= 3) & (at < count - 2)
+        place = (1.0 - width) * np.where(has_four, cubic, line) + width * middle
+        # with fewer the width of as large a deviation from there as from the middle of the interval
+        off_middle = np.hypot(0.5 * width, math.sqrt(3.0) * (middle - place))
+        reach = np.where(has_four, 0.5 * width, off_middle)
+    is_smooth = has_six & (off < reach)
+    place, reach = np.where(is_smooth, cubic, place), np.where(is_smooth, off, reach)
+    return map(Crossing, (at - 1 + place).tolist(), reach.tolist())
 
 
-def _off_a_cubic(six: Floats) -> float:
-    """Return how far a curve may be from the cubic through the middle four of six samples, between them: by
-    its fourth difference where it is smooth, and sixteen times as much at a kink, of which that is as large
-    as its second difference. That of a mode is less by the square of its rate, and no kink at all."""
-    seconds = _second_differences(six.tolist())  # lists of so few are quicker than arrays
-    second, fourth = (max(map(abs, each)) for each in (seconds, _second_differences(seconds)))
-    share = min(1.0, fourth / second) ** 2 if second > 0.0 else 0.0
-    return fourth * (_OF_SMOOTH + share * _OF_KINK)
+def _off_a_cubic(six: Floats) -> Floats:
+    """Return how far curves may be from the cubic through the middle four of six samples, shape (curves, 6),
+    between them: by the fourth difference where one is smooth, and sixteen times as much at a kink, of which
+    that is as large as its second difference. That of a mode is less by the square of its rate, and no kink
+    at all."""
+    seconds = np.diff(six, 2, axis=1)
+    second, fourth = (np.max(np.abs(each), axis=1) for each in (seconds, np.diff(seconds, 2, axis=1)))
+    share = np.where(second > 0.0, np.minimum(1.0, fourth / second) ** 2, 0.0)
+    return np.asarray(fourth * (_OF_SMOOTH + share * _OF_KINK))
 
 
-def _second_differences(values: list[float]) -> list[float]:
-    return [
-        after - 2.0 * here + before
-        for before, here, after in zip(values, values[1:], values[2:], strict=False)
-    ]
-
-
-def _cubic_zero(four: Floats, start: float) -> float:
-    """Return zero of the cubic through samples at -1, 0, 1 and 2, by Newton's method from between 0 and 1."""
-    before, a, here, after = four.tolist()
+def _cubic_zero(four: Floats, start: Floats) -> Floats:
+    """Return zero of cubics through samples at -1, 0, 1 and 2, shape (curves, 4), by Newton's method from
+    between 0 and 1; from where it leads nowhere, the start."""
+    before, a, here, after = four.T
     c = 0.5 * (before + here) - a
     d = (after - before) / 6.0 - 0.5 * (here - a)
     b = here - a - c - d
-    place = start
+    place, rises = start, np.ones(len(start), dtype=np.bool_)
     for _ in range(3):
         slope = b + place * (2.0 * c + place * 3.0 * d)
-        if slope <= 0.0:
-            return start
-        place = min(max(place - (a + place * (b + place * (c + place * d))) / slope, 0.0), 1.0)
-    return place
+        rises = rises & (slope > 0.0)
+        place = np.clip(place - (a + place * (b + place * (c + place * d))) / slope, 0.0, 1.0)
+    return np.where(rises, place, start)

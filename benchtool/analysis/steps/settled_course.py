@@ -67,15 +67,19 @@ class SettledCourse:
         What noise does not make of that stays. So does a lobe on the other side of the level while it may
         ring, unless it is surely within the band.
         """
+        return np.asarray(self.all_without_noise(away[np.newaxis])[0])
+
+    def all_without_noise(self, away: Floats) -> Floats:
+        """Return `without_noise` of many courses, shape (courses, n)."""
         from scipy import optimize  # takes longer than all else here
 
-        rest, standard = self.sign * away[self.last :], self.standard[self.last :]
-        falls = optimize.isotonic_regression(rest, increasing=False).x
-        is_soon = np.arange(self.last, len(away)) < self.soon
+        rest, standard = self.sign * away[:, self.last :], self.standard[self.last :]
+        falls = np.array([optimize.isotonic_regression(each, increasing=False).x for each in rest])
+        is_soon = np.arange(self.last, away.shape[1]) < self.soon
         noise = np.where(is_soon, self.most_soon, self.most_late) * standard
         is_lobe = is_soon & (rest < _SURE * standard - self.band)
         course = np.where((np.abs(falls - rest) <= noise) & ~is_lobe, falls, rest)
-        return np.concatenate([away[: self.last], self.sign * course])
+        return np.concatenate([away[:, : self.last], self.sign * course], axis=1)
 
     def leaves_late(self, course: Floats) -> bool:
         """Return whether a course `without_noise`, shape (n,), leaves the band again once it rings no longer:

@@ -7,7 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.passages import Crossing, Instant, first_passage, last_passage
+from benchtool.analysis.steps.passages import (
+    Crossing,
+    Instant,
+    first_passage,
+    first_passages,
+    last_passage,
+    last_passages,
+    places_of,
+)
 
 
 def passed(above: list[float]) -> Crossing:
@@ -86,6 +94,23 @@ def test_the_last_passage_is_where_a_lobe_between_samples_ends() -> None:
 def test_values_that_are_never_outside_are_inside_from_the_first_on_and_others_never() -> None:
     assert last_passage(np.ones(8), 1.0, 0.1) == Crossing(0.0, 0.0)
     assert last_passage(np.arange(8.0), 1.0, 0.1) is None
+
+
+@pytest.mark.parametrize("rows", [3, 5, 60, 40_000])
+def test_each_of_many_curves_passes_where_it_does_alone(rows: int) -> None:
+    """Also of those that are never there, or from the first row on, and more than are looked at at once."""
+    random = np.random.default_rng(8)
+    scale = random.choice([0.3, 1.0, 3.0], (7, 1))
+    row = np.arange(float(rows))
+    values = scale * np.exp(-3.0 * row / rows) * np.cos(20.0 * row / rows) + random.normal(0, 0.02, (7, rows))
+    sure = np.full(rows, 0.05)
+    first, last = first_passages(0.5 - values, sure), last_passages(values, 0.0, 0.2)
+    assert first == [first_passage(0.5 - each, sure) for each in values]
+    assert last == [last_passage(each, 0.0, 0.2) for each in values]
+    expected = [math.nan if each is None else each.place for each in last]
+    np.testing.assert_array_equal(places_of(last), expected)
+    assert first_passages(values[:0], sure) == []
+    assert last_passages(values[:0], 0.0, 0.2) == []
 
 
 @pytest.mark.parametrize("period", [16.0, 26.0])
