@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -68,13 +69,19 @@ def sum_of(lines: Sequence[Line], bins: Complexes, count: int) -> Floats:
 def _without_slow(samples: Floats, angle_rad: Floats) -> Floats:
     """Return samples, shape (n,), without what is slower than a line of this phase: in a part of few cycles
     of the line that is a slope, and turns it."""
-    at = np.arange(len(samples)) / len(samples) - 0.5
-    halves = np.cos(np.pi * np.outer(at + 0.5, np.arange(1.0, _SLOW_HALVES + 1.0)))
-    slow = np.concatenate([np.vander(at, _POWERS), halves], axis=1)
+    slow = _slow(len(samples))
     # together with the line, whose incomplete cycles are no slow course
     both = np.column_stack([slow, np.cos(angle_rad), np.sin(angle_rad)])
     found = np.linalg.lstsq(both, samples, rcond=None)[0]
     return np.asarray(samples - slow @ found[: slow.shape[1]])
+
+
+@lru_cache(maxsize=1)
+def _slow(count: int) -> Floats:
+    """Return what a drift over so many samples is a sum of, shape (count, columns)."""
+    at = np.arange(count) / count - 0.5
+    halves = np.cos(np.pi * np.outer(at + 0.5, np.arange(1.0, _SLOW_HALVES + 1.0)))
+    return np.concatenate([np.vander(at, _POWERS), halves], axis=1)
 
 
 def _phases_of_parts(samples: Floats, place: float, parts: int) -> Floats | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials
 from benchtool.analysis.noise.noise_over_time import ONE_LEVEL, NoiseOverTime, noise_over_time
-from benchtool.analysis.statistics.medians import median
+from benchtool.analysis.statistics.medians import median, medians
 from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
@@ -332,12 +332,12 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     around = np.arange(1, orders + 1)[:, np.newaxis] + np.arange(-reach, reach)
     bins = (periods * around[:, :, np.newaxis] + within).reshape(orders, -1)
     inside = (bins > 0) & (bins < len(spectrum.amplitude))
-    counts, medians = np.count_nonzero(inside, axis=1), np.full(orders, np.nan)
+    counts, middle = np.count_nonzero(inside, axis=1), np.full(orders, np.nan)
     for count in np.unique(counts[counts >= _FEWEST_BINS]):
         rows = counts == count
         amplitude = spectrum.amplitude[bins[rows][inside[rows]]].reshape(-1, count)
-        medians[rows] = np.median(amplitude, axis=1)
-    return np.asarray(medians / MEDIAN_OF_RMS / math.sqrt(2.0))
+        middle[rows] = medians(amplitude)
+    return np.asarray(middle / MEDIAN_OF_RMS / math.sqrt(2.0))
 
 
 def bins_around(spectrum: CoherentSpectrum) -> int:

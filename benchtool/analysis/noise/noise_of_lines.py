@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials, students_deviation
 from benchtool.analysis.noise.noise import bins_around, harmonic_noise
+from benchtool.analysis.statistics.medians import medians
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
 
@@ -225,4 +226,4 @@ def noise_at_lines(power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _by_median(power: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean of exponentially distributed powers, shape (lines, pairs), by their median."""
-    return np.asarray(np.median(power, axis=1) / median_of_exponentials(power.shape[1]))
+    return np.asarray(medians(power) / median_of_exponentials(power.shape[1]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 _COARSE = 1e-5  # of the peak-to-peak: a smaller step is the last digit of a 32-bit number
 _BY_CHANCE = 10.0  # times the mean of the least distance between as many values, exp(-10) by chance
 _LOOKED_AT = 1 << 16  # samples
+_KEPT = 8  # channels of a record, each of which several analyses ask for
 _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no digits left
 _FIRST = 16  # values or steps, which mostly tell of all
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
@@ -35,7 +37,7 @@ def resolution(samples: NDArray[np.float64]) -> float:
     few to tell; else the greatest common divisor of all: rows that are at the same few places in all
     periods show few of the levels. Of a long record 65536 samples, evenly spread, are used.
     """
-    return _step_of(np.unique(_few(samples)))
+    return _resolution(_few(samples).tobytes())
 
 
 def counting_step(samples: NDArray[np.float64]) -> float:
@@ -45,13 +47,7 @@ def counting_step(samples: NDArray[np.float64]) -> float:
     anywhere the two nearest are peak-to-peak / n^2 apart on average, which is no step either. Values that
     differ by rounding alone, as an angle does from turn to turn, are one.
     """
-    few = _few(samples)
-    values = _but_for_rounding(np.unique(few))
-    if len(values) < 2:
-        return 0.0
-    step, span = _step_of(values), float(values[-1] - values[0])
-    least = max(_COARSE, _BY_CHANCE / len(few) ** 2) * span
-    return step if step > max(least, _SUBNORMAL) else 0.0
+    return _counting_step(_few(samples).tobytes())
 
 
 def step_between(values: NDArray[np.float64], levels: float, rounding: float = 0.0) -> float:
@@ -66,7 +62,23 @@ def step_between(values: NDArray[np.float64], levels: float, rounding: float = 0
 
 
 def _few(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    return samples[:: max(1, len(samples) // _LOOKED_AT)]
+    return samples[:: max(1, len(samples) // _LOOKED_AT)].astype(np.float64, copy=False)
+
+
+@lru_cache(maxsize=_KEPT)
+def _resolution(samples: bytes) -> float:
+    return _step_of(np.unique(np.frombuffer(samples)))
+
+
+@lru_cache(maxsize=_KEPT)
+def _counting_step(samples: bytes) -> float:
+    few = np.frombuffer(samples)
+    values = _but_for_rounding(np.unique(few))
+    if len(values) < 2:
+        return 0.0
+    step, span = _step_of(values), float(values[-1] - values[0])
+    least = max(_COARSE, _BY_CHANCE / len(few) ** 2) * span
+    return step if step > max(least, _SUBNORMAL) else 0.0
 
 
 def _but_for_rounding(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy import fft
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSamples
@@ -118,19 +119,15 @@ def groups_of(squares: NDArray[np.float64], periods: int, orders: int) -> Harmon
     """Return the groups of squares of the rms of bins, shape (windows, bins), of windows of `periods`; they
     stand for `beside2` too."""
 
-    def total(members: Iterable[tuple[int, float]]) -> NDArray[np.float64]:
-        sums = np.zeros((len(squares), orders))
+    before, after = max(1, periods // 2), max(1, periods // 2, periods - 2)
+    shares = np.zeros((before + 1 + after, 3))
+    between = ((offset, 1.0) for offset in range(2, periods - 1))
+    for kind, members in enumerate((_members("group", periods), _members("subgroup", periods), between)):
         for offset, share in members:
-            sums += share * squares[:, periods + offset : periods * orders + offset + 1 : periods]
-        return sums
-
-    return HarmonicGroups(
-        total(_members("group", periods)),
-        total(_members("subgroup", periods)),
-        total((offset, 1.0) for offset in range(2, periods - 1)),
-        squares,
-        periods,
-    )
+            shares[before + offset, kind] = share
+    around = sliding_window_view(squares, len(shares), axis=1)[:, periods - before :: periods][:, :orders]
+    group2, subgroup2, interharmonic2 = np.moveaxis(around @ shares, 2, 0)
+    return HarmonicGroups(group2, subgroup2, interharmonic2, squares, periods)
 
 
 def _members(kind: Kind, periods: int) -> Iterator[tuple[int, float]]:

@@ -29,6 +29,7 @@ FARTHEST = 1.5  # bins: what is farther away is between the harmonics
 DOF_OF_FLOOR = 40.0  # of a median of some forty squares, at least
 _ILL_FITTED = 1e-3
 _DISTANCES, _OF_TWO = 241, 4  # and of two lines every fourth
+_FINE = 16  # distances from one whose sines are calculated to the next
 _ON_HARMONIC = 1e-9  # bins
 _KEPT = 64  # ranges of distances: the first is that of all harmonics, others begin and end where one line may
 _MOST = 2.0  # of the harmonic as read: what a line beside it makes of it
@@ -65,26 +66,34 @@ class Kernel:
         return Kernel(self.apart[::nth], self.own[::nth], self.sum[::nth], self.difference[::nth])
 
 
-def _apart(first: float, last: float) -> Floats:
-    apart = np.linspace(first, last, _DISTANCES)
-    return apart[np.abs(apart) > _ON_HARMONIC]
+def _is_beside(apart: Floats) -> NDArray[np.bool_]:
+    """Return which distances are not on the harmonic."""
+    return np.asarray(np.abs(apart) > _ON_HARMONIC)
 
 
 @lru_cache(maxsize=_KEPT)
 def kernel_along_phase(first: float, last: float, reach: int, count: int) -> Kernel:
     """Return that of lines, at distances from `first` to `last`, that are steady along the phase."""
-    apart = _apart(first, last)
+    apart = np.linspace(first, last, _DISTANCES)
+    apart = apart[_is_beside(apart)]
     return Kernel.of(apart, dirichlet_kernel(apart[:, np.newaxis], np.arange(-reach, reach + 1), count))
 
 
 def kernel_in_time(first: float, last: float, number: int, reach: int, course: Course) -> Kernel:
     """Return that of lines that are steady in time, beside the harmonic at the bin `number`."""
-    apart = _apart(first, last)
     turned = (np.arange(_POINTS) + 0.5) / _POINTS - 0.5 / len(course.turned)
     passed = np.interp(turned, course.turned, course.passed)
     middle = number * (passed - turned)[:, np.newaxis]
     bins = np.exp(2j * np.pi * (middle - np.outer(turned, np.arange(-reach, reach + 1)))) / _POINTS
-    return Kernel.of(apart, np.exp(2j * np.pi * np.outer(apart, passed)) @ bins)
+    # distances are even: each is a coarse one and a fine step, and two products take less than as many sines
+    step = (last - first) / (_DISTANCES - 1)
+    coarse = first + _FINE * step * np.arange(-(-_DISTANCES // _FINE))
+    by_fine = np.exp(2j * np.pi * np.outer(step * np.arange(_FINE), passed))
+    by_coarse = np.exp(2j * np.pi * np.outer(coarse, passed))
+    lines = (by_coarse[:, np.newaxis] * by_fine).reshape(-1, _POINTS)[:_DISTANCES]
+    apart = np.linspace(first, last, _DISTANCES)
+    beside = _is_beside(apart)
+    return Kernel.of(apart[beside], (lines @ bins)[beside])
 
 
 @dataclass(frozen=True)
@@ -236,8 +245,10 @@ def two_lines(movement: Movement, kernel: Kernel) -> float:
     moved = np.concatenate([by_amplitude * movement.amplitude, by_phase * movement.phase])
     moved = np.concatenate([moved.real, moved.imag])
     one, two = np.triu_indices(len(kernel.apart), k=2)
-    both = np.concatenate([basis[one], basis[two]], axis=1)  # pairs, unknowns, values
-    normal, found = both @ both.transpose(0, 2, 1), both @ moved
+    rows = 2 * np.stack([one, one, two, two], axis=1) + np.array([0, 1, 0, 1])  # pairs, unknowns
+    every = basis.reshape(-1, basis.shape[2])
+    normal = (every @ every.T)[rows[:, :, np.newaxis], rows[:, np.newaxis]]
+    found = (every @ moved)[rows]
     inverse = np.linalg.inv(normal)
     unknowns = np.einsum("pij,pj->pi", inverse, found)
     rest = float(moved @ moved) - np.sum(unknowns * found, axis=1)

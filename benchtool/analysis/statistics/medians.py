@@ -1,4 +1,4 @@
-"""The median, for where thousands of few values each have one."""
+"""Medians, for where thousands of few values each have one."""
 
 from __future__ import annotations
 
@@ -13,3 +13,10 @@ def median(values: NDArray[np.float64]) -> float:
     ordered = values.copy()
     ordered.partition((lower, upper))
     return 0.5 * (ordered.item(lower) + ordered.item(upper))
+
+
+def medians(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the median of each row of finite values, shape (rows, n), n > 0."""
+    lower, upper = (values.shape[1] - 1) // 2, values.shape[1] // 2
+    ordered = np.partition(values, (lower, upper), axis=1)
+    return np.asarray(0.5 * (ordered[:, lower] + ordered[:, upper]))
