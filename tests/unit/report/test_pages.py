@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from reportlab import rl_config
 from reportlab.pdfbase.ttfonts import TTFont
 
 from benchtool.analysis.measurement import Basis, Measurement, Table
@@ -163,6 +164,15 @@ def test_the_pdf_has_its_fonts_its_pages_their_numbers_and_the_run_s_date() -> N
     assert b"/Outlines" in document
     assert b"(First)" in document
     assert _pages(document) == 2  # the second listed section begins a page
+
+
+def test_what_the_pdf_has_compressed_is_written_as_it_is() -> None:
+    """As text it would be a quarter larger; what others write with the same library stays as they have it."""
+    before = rl_config.useA85
+    document = pdf_document(report())
+    assert b"FlateDecode" in document
+    assert b"ASCII85Decode" not in document
+    assert rl_config.useA85 == before
 
 
 @pytest.mark.parametrize(("short", "pages"), [(False, 3), (True, 1)])
