@@ -13,6 +13,7 @@ from matplotlib.text import Text
 
 from benchtool.report.figures.drawings import draw_of_case, draw_side_by_side
 from benchtool.report.figures.trend import Point, Trend, draw_trend
+from tests.at_length import at_length
 from tests.unit.report.test_figures import capture, panel, transducer
 
 TITLE = "Torque ripple at 0.1 of rated speed with 0.65 Nm, proposed TPC (operating point of Fig. 6)"
@@ -62,7 +63,7 @@ def conflicts(figure: Figure) -> list[tuple[str, str]]:
     return found
 
 
-@pytest.mark.parametrize("title", [TITLE, f"{TITLE} {TITLE}"])
+@pytest.mark.parametrize("title", [f"{TITLE} {TITLE}", *at_length(TITLE)])
 def test_the_figures_of_a_case_with_every_limit(title: str) -> None:
     drawn = draw_of_case(panel(capture(), transducer(), **LIMITS), title)
     assert {name: found for name, figure in drawn.items() if (found := conflicts(figure))} == {}

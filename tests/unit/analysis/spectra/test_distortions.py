@@ -115,7 +115,7 @@ def with_noise(samples: NDArray[np.float64]) -> Measurement:
     return next(each for each in found.measurements if each.name == "current_thd_f_plus_noise")
 
 
-@pytest.mark.parametrize("periods", [12.3, 40.3])
+@pytest.mark.parametrize("periods", [12.3, *at_length(40.3)])
 def test_thd_with_noise_scatters_by_its_uncertainty(periods: float) -> None:
     """Of the noise nine tenths are in the band, and an amplitude is sqrt(2) of an rms."""
     turned = np.arange(round(200 * periods)) / 200.0
@@ -137,7 +137,7 @@ def test_the_steps_of_a_converter_are_noise_in_thd_with_noise() -> None:
     assert found.uncertainty.expanded < 0.1 * found.value
 
 
-@pytest.mark.parametrize("lines", [(6.21,), (6.21, 6.24)])
+@pytest.mark.parametrize("lines", [(6.21, 6.24), *at_length(((6.21,),))])
 def test_what_is_between_harmonics_is_in_thd_with_noise_but_is_no_scatter(lines: tuple[float, ...]) -> None:
     turned = np.arange(round(200 * 37.6)) / 200.0
     truth, errors, claimed = 100.0 * math.hypot(0.05, *(0.02 for _ in lines)), [], []
@@ -190,7 +190,7 @@ def test_thd_with_noise_and_its_uncertainty_are_the_same_in_any_unit(step: float
         assert same.standard == pytest.approx(own.standard, rel=1e-4)
 
 
-@pytest.mark.parametrize("deviation_rad", [0.5e-3, 2.5e-3, *at_length(1e-3)])
+@pytest.mark.parametrize("deviation_rad", [2.5e-3, *at_length(0.5e-3, 1e-3)])
 def test_a_phase_that_wanders_too_little_to_be_followed_is_no_noise(deviation_rad: float) -> None:
     """Its sidebands have up to half of the power of all harmonics."""
     turned, errors = np.arange(round(200 * 60.3)) / 200.0, []
