@@ -319,7 +319,7 @@ SECTIONS: Final = (
         "Documentation, tests and compatibility",
         "How pages are made and checked, how tests are tried, and what a version promises.",
         """
-        0081 0082 0083 0084 0033 0130 0205 0519
+        0081 0082 0083 0084 0033 0130 0205 0519 0531
         """,
     ),
     Section(

@@ -88,8 +88,8 @@ def kernel_in_time(first: float, last: float, number: int, reach: int, course: C
     # distances are even: each is a coarse one and a fine step, and two products take less than as many sines
     step = (last - first) / (_DISTANCES - 1)
     coarse = first + _FINE * step * np.arange(-(-_DISTANCES // _FINE))
-    by_fine = np.exp(2j * np.pi * np.outer(step * np.arange(_FINE), passed))
-    by_coarse = np.exp(2j * np.pi * np.outer(coarse, passed))
+    by_fine: Complex = np.exp(2j * np.pi * np.outer(step * np.arange(_FINE), passed))
+    by_coarse: Complex = np.exp(2j * np.pi * np.outer(coarse, passed))
     lines = (by_coarse[:, np.newaxis] * by_fine).reshape(-1, _POINTS)[:_DISTANCES]
     apart = np.linspace(first, last, _DISTANCES)
     beside = _is_beside(apart)
