@@ -333,8 +333,8 @@ def _show(output: Output, profile: str, done: Commissioning, content: dict[str, 
     for each in content["estimates"].values():
         if "looks_like" in each:
             output.sentence(each["looks_like"], "yellow")
-    for contains, names in _contained(content).items():
-        output.sentence(f"{', '.join(names)}: with {contains}")
+    for contains, holders in _contained(content).items():
+        output.sentence(f"{', '.join(holders)}: with {contains}")
     if done.saved:
         output.line("the drive has stored the parameters", "green")
     else:

@@ -230,7 +230,7 @@ def _is_apart(found: Interharmonics, periods: int) -> NDArray[np.bool_]:
     beside = np.abs(found.places - periods * harmonic)
     near = (beside < _AROUND_CLOSE) & (beside[:, np.newaxis] < _AROUND_CLOSE)
     is_left = near & (harmonic == harmonic[:, np.newaxis]) & (_LEFT * size > size[:, np.newaxis])
-    return (beside > _close_to_harmonics(periods)) & ~np.any(is_left, axis=1)
+    return np.asarray((beside > _close_to_harmonics(periods)) & ~np.any(is_left, axis=1))
 
 
 def without(coherent: CoherentSamples, found: Interharmonics, course: Course) -> CoherentSamples:
