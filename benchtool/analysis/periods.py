@@ -140,9 +140,9 @@ class PhaseTrack:
         """Return the sample numbers at which whole periods begin, the first at 0, and that at which the last
         ends whose phase is told, shape (n + 1,)."""
         begin = float(self.at(np.zeros(1))[0])
-        phase = begin + 2 * np.pi * np.arange(int(self.periods) + 1, dtype=np.float64)
-        marks = self.sample_numbers(phase)
-        return marks[marks <= self.told_to]
+        marks = self.sample_numbers(begin + 2 * np.pi * np.arange(1.0, int(self.periods) + 1.0))
+        # a phase that turns back for a moment may have that of the begin again later
+        return np.append(0.0, marks[(marks > 0.0) & (marks <= self.told_to)])
 
     def rows_as_far(self, marks: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """Return in how many rows each period between marks, shape (n + 1,), turns as far as the record does

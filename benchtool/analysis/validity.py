@@ -121,8 +121,9 @@ def require_unheld(samples: NDArray[np.float64], name: str, unit: str = "") -> N
     """Refuse samples, shape (n,), that are clipped or held for a while: lines of them are too small.
 
     Raises:
-        AnalysisError: as `clipping` and `standing` say.
+        AnalysisError: one is not finite, or as `clipping` and `standing` say.
     """
+    require_finite(samples, name)
     if invalid := clipping(samples, unit) or standing(samples, unit):
         raise AnalysisError(f"'{name}': {invalid}")
 

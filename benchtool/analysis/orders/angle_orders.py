@@ -244,9 +244,11 @@ def _turned(
     how much less it is than in each of them, 0 where noise hides it there.
 
     `shift`, shape (K, revolutions), is what each revolution adds to the coefficients, `share` how much of all
-    it is. Those that are hardly begun tell nothing.
+    it is. Those that are hardly begun tell nothing, and neither does a single one.
     """
     whole = share > 0.5 * np.max(share)
+    if np.count_nonzero(whole) < 2:
+        return np.zeros(len(coefficient))
     each = np.abs(coefficient[:, np.newaxis] + shift[:, whole] / share[whole])
     mean, scatter = np.mean(each, axis=1), np.std(each, axis=1, ddof=1)
     # noise has added to the squares along the phase of each revolution and across it

@@ -165,7 +165,8 @@ class _Followed:
         coherent, periods = self.transformable, self.transformable.periods
         means = np.mean(coherent.values.reshape(periods, -1)[[0, -1]], axis=1)
         rise = float(means[1] - means[0]) * periods / max(1, periods - 1)
-        number = np.arange(max(_OF_DC, periods // _NEAR_DC), _BELOW_ORDER * periods)
+        above = min(_BELOW_ORDER * periods, len(self._bins))
+        number = np.arange(max(_OF_DC, periods // _NEAR_DC), above)
         number = number[number % periods > 0]
         # of a line that rises by one over n samples the bins are (-1 + j cot(pi k / n)) / 2
         leaked = 0.5 * rise * (-1.0 + 1j / np.tan(np.pi * number / len(coherent.values)))

@@ -149,7 +149,7 @@ def _with_leaks(stand_out: NDArray[np.bool_], lines: Complex, step: float) -> ND
     found, size = stand_out.copy(), np.where(stand_out, np.abs(lines) / step, 0.0)
     is_peak = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])
     for peak in np.flatnonzero(is_peak) + 1:
-        leaks = math.ceil(size[peak] / (math.pi * _LEAST_LEAK))
+        leaks = math.ceil(min(size[peak] / (math.pi * _LEAST_LEAK), len(found)))
         found[max(1, peak - leaks) : peak + leaks + 1] = True
     return found
 

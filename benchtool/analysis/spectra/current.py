@@ -36,7 +36,7 @@ from benchtool.analysis.spectra.modulation import amplitude_changes, harmonics_t
 from benchtool.analysis.spectra.separation import Separation, separate
 from benchtool.analysis.spectra.soundness import soundness, turned_around
 from benchtool.analysis.statistics.outlying_samples import clicks_among
-from benchtool.analysis.validity import clipping, require_unbroken, standing
+from benchtool.analysis.validity import clipping, require_finite, require_unbroken, standing
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 
@@ -79,11 +79,12 @@ def current_spectrum(
             part of the frequency's.
 
     Raises:
-        AnalysisError: a gap, no such channel, a dead signal, fewer than two electrical periods, or a
-            fundamental beyond the band.
+        AnalysisError: a gap, no such channel, a sample that is not finite, a dead signal, fewer than two
+            electrical periods, or a fundamental beyond the band.
     """
     require_unbroken(block)
     samples, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
+    require_finite(samples, channel)
     step = resolution(samples)
     found = separate(samples, block.sample_rate_Hz, track, channel, step)
     sound = soundness(found.spectrum, found.moved, _refusal(found, channel, unit), channel)

@@ -142,7 +142,7 @@ def _beside_fundamental2(coherent: CoherentSamples) -> float:
     """Return the variance that a signal has of noise at most, if it is in all bins as beside the
     fundamental."""
     periods, count = coherent.periods, len(coherent.values)
-    bins = np.arange(periods // 2, periods + (periods + 1) // 2)
+    bins = np.arange(periods // 2, min(periods + (periods + 1) // 2, (count + 1) // 2))
     bins = bins[(np.abs(bins - periods) > _WANDERS) & (bins > 0)]
     powers = np.abs(fft.rfft(coherent.values)[bins]) ** 2 / count
     return float(np.mean(powers)) * (1.0 + 2.0 / math.sqrt(len(bins)))

@@ -195,12 +195,7 @@ def current_unbalance(
     require_unbroken(block)
     columns = [np.ascontiguousarray(block.column(name)) for name in channels]
     known = known or {}
-    sampled = {name: each.coherent for name, each in known.items()}
-    others = {name: each for name, each in zip(channels, columns, strict=True) if name not in known}
-    if others:
-        of_others = coherent_samples_of_all(others, block.sample_rate_Hz, track)
-        sampled |= zip(others, of_others, strict=True)
-    read = [sampled[name] for name in channels]
+    read = _read(dict(zip(channels, columns, strict=True)), block.sample_rate_Hz, track, known)
     tones = _tones(read)
     parts = [_without(*each) for each in zip(read, tones, strict=True)]
     first = parts[0]
@@ -246,6 +241,20 @@ def current_unbalance(
     if share := max(shares):
         return tuple(with_flat_crest(each, share) for each in numbers)
     return tuple(numbers)
+
+
+def _read(
+    columns: Mapping[str, Floats], rate_Hz: float, track: PhaseTrack, known: Mapping[str, CurrentSpectrum]
+) -> list[CoherentSamples]:
+    """Return the columns at the same steps of phase; those of channels that are `known` anew where these have
+    another number of them in a period, as at a whole number of rows."""
+    sampled = {name: known[name].coherent for name in columns if name in known}
+    others = {name: each for name, each in columns.items() if name not in known}
+    if others:
+        sampled |= zip(others, coherent_samples_of_all(others, rate_Hz, track), strict=True)
+    if len({len(each.values) for each in sampled.values()}) > 1:
+        return list(coherent_samples_of_all(columns, rate_Hz, track))
+    return [sampled[name] for name in columns]
 
 
 def _course(sequence: _Sequence) -> Phasors:

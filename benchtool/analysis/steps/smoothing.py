@@ -255,7 +255,8 @@ class _Smoothed:
         weights = _parabola(longer)
         weights[longer - shorter : longer + shorter + 1] -= _parabola(shorter)
         square = _convolved(np.pad(self._levels**2, longer, mode="reflect"), weights**2)
-        return np.asarray(np.sqrt(np.maximum(square, 0.0) / float(np.sum(weights**2))))
+        least = float(np.min(self._levels))  # and no less by rounding
+        return np.asarray(np.maximum(least, np.sqrt(np.maximum(square, 0.0) / float(np.sum(weights**2)))))
 
     def _spectra(self, ladder: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
         """Return the transfer of each window, and the power of the noise, over the same frequencies."""

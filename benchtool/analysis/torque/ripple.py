@@ -122,6 +122,7 @@ def ripple_numbers(
     # without an angle the machine may slip
     has_angle = track is not None and track.residual_rad is not None
     marks = None if track is None else marks_of_rotor(track)
+    followed = np.ascontiguousarray(block.column(reference)) if reference else None
     return ripple_of_rows(
         samples,
         unit,
@@ -132,7 +133,7 @@ def ripple_numbers(
         per_revolution=pole_pairs if has_angle else 1,
         what=what or channel,
         channel=channel,
-        reference=np.ascontiguousarray(block.column(reference)) if reference else None,
+        reference=None if followed is None or not np.all(np.isfinite(followed)) else followed,
     )
 
 

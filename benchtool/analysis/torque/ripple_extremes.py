@@ -269,8 +269,8 @@ def _about_course(values: Floats, has_course: bool = False) -> _Maxima:
 
 
 def _grow_together(one: Floats, other: Floats) -> bool:
-    """Return whether values of equal periods, shape (n,), are correlated by more than chance."""
-    if not min(np.std(one), np.std(other)) > 0.0:
+    """Return whether values of equal periods, shape (n,), are correlated by more than chance; n may be 0."""
+    if not len(one) or not min(np.std(one), np.std(other)) > 0.0:
         return False
     return bool(math.sqrt(len(one)) * np.corrcoef(one, other)[0, 1] > _TOGETHER)
 

@@ -45,6 +45,25 @@ def test_odd_signals_are_measured_or_refused(analysis: Analysis[Any], seed: int)
     measure(analysis, seed)
 
 
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [
+        ("current_spectrum", 1099),  # infinite
+        ("current_spectrum", 1117),  # two samples in a period
+        ("current_unbalance", 5405),  # a step of 1e-24 of the current
+        ("current_unbalance", 7800),  # whole rows in a period
+        ("flux_ripple", 10644),  # no extreme that counts
+        ("speed_orders", 1784),  # infinite
+        ("speed_orders", 10580),  # one revolution, and the begin of another
+        ("step", 5555),  # noise that is 4e11 times as large in some places
+        ("torque_ripple", 1022),  # turns back for a moment as it begins
+        ("torque_ripple", 7455),  # an infinite reference
+    ],
+)
+def test_signals_that_are_odd_in_one_way_are_measured_or_refused(name: str, seed: int) -> None:
+    measure(next(each for each in catalogue().analyses if each.name == name), seed)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("analysis", catalogue().analyses, ids=lambda each: each.name)
 def test_many_odd_signals_are_measured_or_refused(analysis: Analysis[Any]) -> None:
