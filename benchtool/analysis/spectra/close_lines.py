@@ -57,6 +57,7 @@ _BY_ITSELF = 5.0  # times as likely as a line: the angle between the fundamental
 _SURELY, _CLEARLY = 0.999, 60.0  # share; chi squared: by chance once in 1e13
 _ROUNDS = 3  # as lines leak into the noise beside other harmonics
 _MOVES = 0.01  # periods of a line steady in time, along the phase
+_THE_SAME = 0.1  # bins
 
 
 @dataclass(frozen=True)
@@ -219,6 +220,8 @@ def _beside(
         in_time = other.explains > best.explains
         best = other if in_time else best
     found = best.line(moves, 0.0 if index else _BY_ITSELF)
+    if in_time and abs(found.place - float(number[reach])) < _THE_SAME:
+        return None  # it is the harmonic itself, of a phase that is not followed quite
     of_move = movements[-1].evenly_by_noise * math.sqrt(found.share * (1.0 + (1.0 - found.share) * moved**2))
     line = _Line(found.place, found.phasor, found.standard, 2.0 * math.pi * of_move)
     if not in_time or not line.phasor or course is None:

@@ -29,7 +29,7 @@ _AROUND, _OF_LINE = 12, 3
 _FITTED = 6  # bins to either side of a sinusoid
 _LEFT = 0.1  # of the power there, that one sinusoid more may leave
 _NEARLY = 2.0  # times that: a step of constants turns what is fitted by far less than 0.13 rad
-_CLOSE = 0.4  # bins: nearer to a harmonic the fit adds more than three times the noise, and both are one
+_CLOSE = 0.4  # bins: nearer to a harmonic, or another, the fit adds over three times the noise: both are one
 _BESIDE, _OF_DISTANCE = 1.5, 0.125  # bins that `close_lines` looks at; of the distance of harmonics
 _AROUND_CLOSE = 3.0  # bins from a harmonic
 _ALIKE, _ALIKE_BINS = 0.2, 0.3  # of an amplitude; bins
@@ -388,7 +388,7 @@ def _window(count: int, places: Floats, periods: int) -> NDArray[np.int64]:
 
 def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interharmonics | None:
     """Return sinusoids of these places, about, fitted to the bins around them; None if they do not
-    converge."""
+    converge, or two of them do to one place."""
     window, begin = _window(len(bins), places, periods), places
     if 2 * len(window) < 4 * len(places):
         return None
@@ -403,6 +403,8 @@ def _fitted(bins: Complex, places: Floats, periods: int, count: int) -> Interhar
             return None
         if np.max(np.abs(step)) < _ENOUGH:
             break
+    if np.any(np.diff(np.sort(places)) < _CLOSE):
+        return None
     _, linear = _phasors_at(places, window, measured, count)
     return Interharmonics(places, linear[0::2] - 1j * linear[1::2])
 

@@ -40,6 +40,7 @@ Floats = NDArray[np.float64]
 
 _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
+_MORE = 2.0  # times the squares that are left along a phase that was followed
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -138,6 +139,12 @@ class Separation:
         """Their spectrum."""
         return spectrum_of(self.steady.samples)
 
+    @property
+    def left2(self) -> float:
+        """The sum of squares of its bins between the harmonics: noise, and what is not explained."""
+        square = np.square(self.clean.amplitude[1:])
+        return float(np.sum(square) - np.sum(square[self.coherent.periods - 1 :: self.coherent.periods]))
+
     @cached_property
     def with_course(self) -> CoherentSpectrum:
         """Their spectrum with the course of their amplitude."""
@@ -190,7 +197,8 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
     """Return a current taken apart, of samples, shape (rows,), in steps of `step`, along a track.
 
     Lines near the fundamental pull at the fit of its frequency, which is made again without them. What was
-    followed meanwhile is then no course of the phase if it stays on the track without that.
+    followed meanwhile is then no course of the phase if it stays on the track without that, and far more is
+    not left between the harmonics.
 
     Raises:
         AnalysisError: fewer than two electrical periods, or a fundamental beyond the band.
@@ -207,7 +215,7 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
         except AnalysisError:  # what was taken out were no lines
             break
         again = _along(samples, rate_Hz, without_lines, channel, step)
-    return again if again.by_signal else found
+    return again if again.by_signal and again.left2 < _MORE * found.left2 else found
 
 
 def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:

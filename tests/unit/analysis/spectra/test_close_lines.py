@@ -7,11 +7,12 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from benchtool.analysis.coherent.spectrum import coherent_samples, spectrum_of
+from benchtool.analysis.coherent.spectrum import FIRST_ROW, coherent_samples, spectrum_of
 from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.analysis.spectra.close_lines import close_lines
 from benchtool.analysis.spectra.current import current_spectrum
 from benchtool.analysis.spectra.interharmonics import Interharmonics
+from benchtool.analysis.spectra.moving_tones import course_of
 from benchtool.block import Block
 from tests.at_length import at_length
 
@@ -228,3 +229,25 @@ def test_a_line_that_leaks_to_all_harmonics_is_told_by_them_all_the_same() -> No
             [(row[2] - LINES[5]) / row[5], (subgroups.value - truth) / subgroups.uncertainty.standard]
         )
     assert np.all(np.sqrt(np.mean(np.square(errors), axis=0)) < 1.6)
+
+
+def test_a_harmonic_whose_phase_is_not_followed_quite_is_no_line_in_its_own_place() -> None:
+    turns = ROW / PER_PERIOD
+    drift = 5e-4 * (ROW / ROW[-1] - 1.0) * turns  # of the track; the harmonics have not all of it
+    signal = np.cos(2.0 * np.pi * (turns + drift))
+    for order in (5, 7):
+        signal += LINES[order] * np.cos(2.0 * np.pi * order * (turns + 0.3 * drift) + order)
+    signal += 1e-4 * np.random.default_rng(3).standard_normal(len(ROW))
+    of_drift = 5e-4 * 2.0 * np.pi / PER_PERIOD * np.array([0.0, -1.0, 1.0 / ROW[-1]])
+    track = PhaseTrack(
+        Polynomial([0.0, 2.0 * np.pi / PER_PERIOD]) + Polynomial(of_drift), len(ROW), "as made"
+    )
+    coherent = coherent_samples(signal, RATE_HZ, track)
+    found = close_lines(
+        spectrum_of(coherent),
+        len(coherent.values),
+        HIGHEST,
+        course=course_of(track.turns_from(FIRST_ROW), FIRST_ROW, coherent),
+    )
+    sizes = [] if found.lines is None else [abs(each.phasor) for each in found.lines.moving]
+    assert max(sizes, default=0.0) < 0.01 * LINES[7]
