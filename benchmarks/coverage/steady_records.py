@@ -80,6 +80,7 @@ class Disturbance:
     angle_index_rad: float = 0.0  # rms, of an angle that is set again in each revolution
     angle_wander: tuple[float, float] = (0.0, 1.0)  # of the encoder's own error, rad, and its frequency, Hz
     time_jitter: float = 0.0  # of a sample period, rms
+    across: float = 0.0  # relative rms of a current that makes no torque, of which little is slow
     spikes: float = 0.0  # relative height, some ten in a record
     chirp: tuple[float, float, float] = (0.0, 1.0, 1.0)  # relative amplitude; first and last order
     turns_Nm: tuple[float, float] = (0.0, 0.0)  # of the torque, once and twice in a revolution
@@ -154,6 +155,9 @@ def record(what: Disturbance, random: np.random.Generator, like: Record | None =
         current += size * np.cos(2 * np.pi * turned + random.uniform(0, 2 * np.pi))
     start, constant = what.decay
     current += what.offset + start * random.choice([-1, 1]) * np.exp(-time_s / (constant * duration_s))
+    if what.across:
+        ripple = np.diff(random.standard_normal(count + 3), n=3) / math.sqrt(20.0)  # of variance 1, 3, 3, 1
+        current -= what.across * ripple * np.sin(theta_i)
     if what.spikes:
         current[random.integers(0, count, random.poisson(10.0))] += what.spikes
     clean_current_A = what.amplitude_A * current

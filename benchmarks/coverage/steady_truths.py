@@ -100,6 +100,7 @@ def _noise_floor_A(what: Disturbance, made: Record, spectrum: CoherentSpectrum) 
     """Return the root of the mean square of a bin between the harmonics."""
     of_other_power = (
         what.frozen,
+        what.across,
         what.spikes,
         what.time_jitter,
         what.chirp[0],

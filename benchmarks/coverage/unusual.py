@@ -44,6 +44,12 @@ STEADY: Mapping[str, Disturbance] = {
     "heavy_many_periods": replace(_QUIET, periods=250.4, frequency_Hz=97.3, noise=1e-2, kind="heavy"),
     "swing_heavy": replace(_QUIET, swing=(0.01, 1.9), periods=70.8, noise=1e-2, kind="heavy", counts=4096),
     "slip_pink": replace(_QUIET, slip=0.002, periods=55.2, noise=1e-2, kind="pink"),
+    "line_beside_drift": replace(_QUIET, lines=((1.0 + 1.5 / 40.3, 0.03),), drift=5e-4, periods=40.3,
+        noise=2e-3, angle=False),
+    "line_beside_swing": replace(_QUIET, lines=((1.0 + 1.45 / 40.6, 0.03),), swing=(3e-4, 0.8), periods=40.6,
+        noise=2e-3, angle=False),
+    "current_across": replace(_QUIET, across=0.05, periods=35.4, noise=3e-4),
+    "current_across_no_angle": replace(_QUIET, across=0.03, periods=61.7, noise=3e-4, angle=False),
 }  # fmt: skip
 STEPPED: Mapping[str, Stepped] = {
     "step_walk": Stepped(Lag(60.0, 0.4), 1e-2, kind="walk"),
@@ -51,6 +57,7 @@ STEPPED: Mapping[str, Stepped] = {
     "step_popcorn": Stepped(Lag(60.0, 0.5), 3e-3, kind="popcorn", held=True),
     "step_heavy": Stepped(Lag(80.0, 0.3), 1e-2, kind="heavy"),
     "step_fractional": Stepped(Lag(60.0, 0.4), 1e-2, kind="fractional"),
+    "step_drifting_little": Stepped(Lag(240.0), 2e-4, drift=0.07, duration_s=0.1, held=True),
 }
 
 
