@@ -212,7 +212,7 @@ def _beside(
         return None
     best = _best_fit(movements, fundamental, along_phase)
     in_time = False
-    if course is not None and _moves_in_time(course, number):
+    if course is not None and moves_along(course, float(number[-1])):
         in_time_alone = lru_cache(
             partial(kernel_in_time, number=int(number[reach]), reach=reach, course=course)
         )
@@ -247,9 +247,9 @@ def _best_fit(
     return max(fits, key=lambda each: (not each.is_ill, each.explains))
 
 
-def _moves_in_time(course: Course, number: Integers) -> bool:
-    """Return whether what is steady in time moves along the phase, near the bins `number`."""
-    return float(number[-1] * np.max(np.abs(course.passed - course.turned))) > _MOVES
+def moves_along(course: Course, place: float) -> bool:
+    """Return whether what is steady in time moves along the phase, at a place or below, in bins."""
+    return place * float(np.max(np.abs(course.passed - course.turned))) > _MOVES
 
 
 def _share(moved: Floats | float) -> Floats:

@@ -20,7 +20,7 @@ from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.phase.phase_following import follow
 from benchtool.analysis.phase.turned_phase import left_at_ends_rad
 from benchtool.analysis.phase.wander import Wander, wander
-from benchtool.analysis.spectra.close_lines import CloseLines, close_lines
+from benchtool.analysis.spectra.close_lines import CloseLines, close_lines, moves_along
 from benchtool.analysis.spectra.distortions import Beside
 from benchtool.analysis.spectra.groups import HarmonicGroups, harmonic_groups
 from benchtool.analysis.spectra.harmonics import HIGHEST_HARMONIC
@@ -177,7 +177,9 @@ class Separation:
         if groups is None:
             return None
         # steady sinusoids are as steady as the track, a decaying dc or a moving tone on any
-        is_like_them = self.taken is not None and (self.track.departure is None or not len(self.taken.places))
+        highest = 0.0 if self.taken is None else float(np.max(self.taken.places, initial=0.0))
+        is_steady = self.track.departure is None or not moves_along(self.course, highest)
+        is_like_them = self.taken is not None and is_steady
         steady = self.steady
         if self.close.lines is not None:  # which are in the groups of their harmonics
             steady = with_steady_amplitude(self.between, self.alone.amplitude, self.turns, FIRST_ROW)
