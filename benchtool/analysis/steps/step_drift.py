@@ -23,6 +23,7 @@ _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk 
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST, _FEWEST_AT_REST = 20, 64  # samples whose lowest frequencies tell a walk: of few rows, and else
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
+_LITTLE = 2.5e-3  # of the step: a wander that is slow noise, an eighth of that band, and hides no answer
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,7 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     longest = max(pieces, key=len)
     size = len(longest) // _LONG
     wander, *shorter = (math.sqrt(_allan_variance(longest, max(1, size // each))) for each in (1, 2, 4))
-    # twice the settling time after a step an exponential decay has left the square of what settling tolerates
-    if wander < max(_TOLERATED**2 * step.height, 0.0 if has_few else _GROWS * max(shorter)):
+    if wander < max(_LITTLE * step.height, 0.0 if has_few else _GROWS * max(shorter)):
         return ""
     # what only follows the step is how the answer creeps to its level
     noise = slow_noise(pieces[0]) if len(step.y_before) >= least else None
@@ -76,7 +76,7 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
         return ""
     return (
         f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "
-        f"and more the longer it is watched: find what moves it, or record less before and after the step"
+        f"and more the longer it is watched: find what moves it, step further, or record less before and after the step"
     )
 
 

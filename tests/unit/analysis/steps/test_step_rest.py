@@ -198,3 +198,20 @@ def test_samples_that_drift_too_little_to_hide_an_answer_scatter_about_a_line() 
         assert uncertainty is not None
         # taken for slow noise, the line would leave 2e-3 of the mean uncertain
         assert uncertainty.standard < 1e-4
+
+
+def test_a_level_that_wanders_by_little_of_a_step_leaves_its_numbers_with_their_uncertainty() -> None:
+    """As a speed under its control does."""
+    expected = {"rise_time": 40.0 * np.log(9.0) / RATE_HZ, "settling_time": 40.0 * np.log(50.0) / RATE_HZ}
+    errors: dict[str, list[float]] = {name: [] for name in expected}
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        walk = np.cumsum(5e-5 * random.standard_normal(1500)) + 2e-5 * random.standard_normal(1500)
+        found = _found(_lag(1500, 40.0) + walk)
+        for name, true in expected.items():
+            uncertainty = found[name].uncertainty
+            assert uncertainty is not None
+            assert uncertainty.standard < 0.1 * true
+            errors[name].append((found[name].value - true) / uncertainty.standard)
+    for each in errors.values():
+        assert np.max(np.abs(each)) < 3.0
