@@ -76,7 +76,8 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
         return ""
     return (
         f"the signal wanders at rest, by {wander:.2g} {step.unit} rms within {size * step.period_s:.4g} s, "
-        f"and more the longer it is watched: find what moves it, step further, or record less before and after the step"
+        f"and more the longer it is watched: find what moves it, step further, or record less before and "
+        f"after the step"
     )
 
 
