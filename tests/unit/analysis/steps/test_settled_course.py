@@ -136,14 +136,15 @@ def test_a_row_that_noise_takes_beyond_the_band_among_many_at_rest_is_not_still_
     assert np.max(np.abs(found.without_noise(away)[200:])) < band
 
 
-def test_whether_a_curve_at_rest_or_a_burst_of_its_noise_leaves_the_band_is_undecided() -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_whether_a_curve_at_rest_or_a_burst_of_its_noise_leaves_the_band_is_undecided(sign: float) -> None:
     random = np.random.default_rng(11)
     lag, errors = -200.0 * np.exp(-ROWS / 40.0), noise(random, DRAWS)
     errors[:, 250:300] += 3.0 * SIGMA  # as much as bursts make at other times
     late = np.exp(-(((ROWS - 900.0) / 8.0) ** 2))
     undecided = []
     for height_in_sigma in (4.0, 9.0, 40.0):
-        found = NoisyCurve(lag + height_in_sigma * SIGMA * late, errors).last_outside(0.0, BAND)
+        found = NoisyCurve(lag + sign * height_in_sigma * SIGMA * late, errors).last_outside(0.0, BAND)
         assert found is not None
         undecided.append(not np.isfinite(found.standard))
     assert undecided == [False, True, False]
