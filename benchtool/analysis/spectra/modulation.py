@@ -30,6 +30,7 @@ CORRELATED = 1.5
 _ALIKE = 0.6  # correlation of the sidebands of two lines: of eight pairs of noise, by chance once in twenty
 _FEWEST_PAIRS, _WOULD_SHOW = 4, 0.5
 _FEWEST_OF_JITTER, _CLEARLY_STEEPER = 8, 6.0  # periods, and samples of each; standard deviations of a slope
+_IN_ORDER = 0.3  # rows, standard deviation: of samples that are anywhere in their row, and so in their order
 _STANDS_OUT, _WANDERS = 4.0, 2  # standard deviations of the bins of a mean; bins of a phase that wanders
 _ROUNDS = 3
 _FOLLOWS, _FEWEST_THAT_FOLLOW = 4.0, 4  # standard deviations of a correlation; periods
@@ -112,8 +113,8 @@ def phase_noise_rad(coherent: CoherentSamples, *, is_followed: bool = False) -> 
 
     Samples whose times jitter by x, as a phase, have the variance x^2 (dw/dphase)^2 beside that of the noise.
     It is in all bins alike, and takes x^2 k^2 / 2 off harmonic k. So it is no more than is beside the
-    fundamental: what scatters so and is elsewhere moves no phase, as the current that makes no torque.
-    Where the phase of each period `is_followed`, that has gone with the slow part of the jitter.
+    fundamental, and leaves samples in their order: what scatters so else moves no phase, as the current that
+    makes no torque. Where the phase of each period `is_followed`, what is slow of jitter has gone with that.
     """
     table = coherent.values.reshape(coherent.periods, -1)
     places = table.shape[1]
@@ -134,8 +135,9 @@ def phase_noise_rad(coherent: CoherentSamples, *, is_followed: bool = False) -> 
     chance = math.sqrt(float(left @ left) / (places - 2.0) / size)
     if not slope > _CLEARLY_STEEPER * chance:
         return 0.0
-    most = math.inf if is_followed else _beside_fundamental2(coherent) / float(np.mean(steep2))
-    return math.sqrt(min(slope, most))
+    beside = math.inf if is_followed else _beside_fundamental2(coherent) / float(np.mean(steep2))
+    row_rad = 2.0 * math.pi * coherent.periods / coherent.samples
+    return min(math.sqrt(min(slope, beside)), _IN_ORDER * row_rad)
 
 
 def _beside_fundamental2(coherent: CoherentSamples) -> float:
