@@ -46,10 +46,12 @@ def noise_of_sum(spectrum: CoherentSpectrum, weights: Floats) -> MeanError:
     What modulates all harmonics alike is in the same pair around each, and adds or cancels as in the sum.
     """
     sidebands = _sidebands(spectrum, len(weights))
-    pairs = sidebands.shape[1]
-    if not pairs:
+    told = weights[: len(sidebands)]
+    if not sidebands.size or not np.any(told):
         return MeanError(math.nan, 1.0)
-    together = np.sum(weights[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
+    # of harmonics at the edge of the band, beside which no bins are, the noise is as that of the others
+    of_all = float(np.linalg.norm(weights) / np.linalg.norm(told))
+    together = of_all * np.sum(told[:, np.newaxis] * sidebands, axis=0)[np.newaxis, :]
     around = noise_around(spectrum, spectrum.periods * np.arange(1, len(weights) + 1)).of_sum(weights)
     found = noise_of_pairs(together, np.ones_like(together, dtype=np.bool_), around)
     return MeanError(float(found.standard[0]), float(found.dof[0]))
@@ -59,9 +61,10 @@ def is_modulated_alike(spectrum: CoherentSpectrum, weights: Floats) -> NDArray[n
     """Return whether weighted sums of harmonics 1, 2 ..., weights of shape (sums, orders), have the sidebands
     of the fundamental, as where one cause moves the amplitude of both; shape (sums,)."""
     sidebands = _sidebands(spectrum, weights.shape[1])
-    if sidebands.shape[1] < _FEWEST_PAIRS:
+    told, pairs = sidebands.shape
+    if pairs < _FEWEST_PAIRS or not told:
         return np.zeros(len(weights), dtype=np.bool_)
-    of_sums, of_first = weights @ sidebands, sidebands[0]
+    of_sums, of_first = weights[:, :told] @ sidebands, sidebands[0]
     product = np.real(of_sums @ np.conj(of_first))
     size = np.sqrt(np.sum(np.abs(of_sums) ** 2, axis=1) * np.sum(np.abs(of_first) ** 2))
     return np.asarray(product > _ALIKE * size)
@@ -81,8 +84,10 @@ def amplitude_changes(amplitude: Floats, trend: AmplitudeTrend | None, step: flo
 def harmonics_tell(spectrum: CoherentSpectrum, orders: int) -> bool:
     """Return whether harmonics 2 to `orders`, each by its amplitude, have the sidebands of the fundamental,
     or would show them if they had: else nothing tells a modulation from a line beside the fundamental."""
-    amplitude = spectrum.amplitude[spectrum.periods :: spectrum.periods][:orders]
     sidebands = _sidebands(spectrum, orders)
+    if not sidebands.size:
+        return False
+    amplitude = spectrum.amplitude[spectrum.periods :: spectrum.periods][: len(sidebands)]
     found, of_first = amplitude[1:] @ sidebands[1:], sidebands[0]
     expected = float(np.sum(amplitude[1:] ** 2)) / float(amplitude[0]) * of_first
     size, most = float(np.linalg.norm(found)), float(np.linalg.norm(expected))
@@ -91,20 +96,16 @@ def harmonics_tell(spectrum: CoherentSpectrum, orders: int) -> bool:
 
 
 def _sidebands(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.complex128]:
-    """Return what pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (orders, pairs)."""
+    """Return what pairs of bins around harmonics 1, 2 ... do to their amplitudes, shape (at most orders,
+    pairs): of those that have all pairs within the band."""
     periods, bins = spectrum.periods, spectrum.phasor
-    lines, offsets = periods * np.arange(1, orders + 1), _offsets(spectrum, orders)
+    offsets = np.arange(1, min(PAIRS, periods - 1) + 1)
+    told = max(0, min(orders, (len(bins) - 1 - len(offsets)) // periods))
+    lines = periods * np.arange(1, told + 1)
     towards = np.exp(-1j * np.angle(bins[lines]))[:, np.newaxis]
     above = bins[lines[:, np.newaxis] + offsets] * towards
     below = np.conj(bins[lines[:, np.newaxis] - offsets] * towards)
     return np.asarray(above + below)
-
-
-def _offsets(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.int64]:
-    """Return the distances of the pairs, in bins."""
-    periods, offsets = spectrum.periods, np.arange(1, 2 * PAIRS + 1)
-    inside = (offsets < periods) & (orders * periods + offsets < len(spectrum.phasor))
-    return offsets[inside][:PAIRS]
 
 
 def phase_noise_rad(coherent: CoherentSamples, *, is_followed: bool = False) -> float:

@@ -245,6 +245,23 @@ def test_the_noise_of_a_sum_is_known_by_all_bins_around_its_lines() -> None:
     assert np.mean(np.abs(np.array(found) - 1.0) < 0.25) > 0.75
 
 
+def test_the_noise_of_a_sum_does_not_hang_on_the_harmonic_at_the_edge_of_the_band() -> None:
+    random, periods, weights = np.random.default_rng(23), 4, np.zeros(25)
+    weights[2] = 1.0
+    weights[24] = 0.01
+    found, dof = [], []
+    for _ in range(200):
+        parts = random.standard_normal((2, 102))  # one bin above the last harmonic
+        phasor = parts[0] + 1j * parts[1]
+        phasor[periods * np.arange(1, 26)] = 100.0
+        each = noise_of_sum(spectrum_of_bins(phasor, periods), weights)
+        found.append(each.standard)
+        dof.append(each.dof)
+    assert np.median(dof) == 6.0
+    assert 0.5 < np.quantile(found, 0.1)
+    assert np.quantile(found, 0.9) < 2.5
+
+
 @pytest.mark.parametrize(
     ("upper", "lower", "lost", "wanders"), [(1j, 1j, 0.08, False), (1.0, 1.0, 0.0, True)]
 )
