@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 SIMPLE: Final = "simple acceptance"
 """The decision rule without a margin: the value alone is compared with the bounds (JCGM 106:2012, 8.2)."""
 
+RATED_UNITS: Final = ("T_N", "omega_m_N", "I_N_peak")
+"""Units of a limit that are rated values of the motor."""
+
 _ROUNDING = 1e-9  # relative: of bounds as they are written
+_NUMBERS: Final = ("min", "max", "margin")
 
 
 class Verdict(StrEnum):
@@ -56,7 +60,8 @@ class Limit(Section):
     further inside passes (guarded acceptance, JCGM 106:2012, 8.3.2), one further outside fails (guarded
     rejection, 8.3.3), and in between it is undecided. `unit` states the unit, or a key does (`max_Nm`); it is
     checked before a run, and nothing is converted. The units `T_N`, `omega_m_N` and `I_N_peak` are parts of
-    the motor's rated values (`max_T_N`).
+    the motor's rated values (`max_T_N`): each number of the limit states them then (`margin_T_N`), or `unit`
+    does for all.
     """
 
     min: float | None = None
@@ -66,7 +71,7 @@ class Limit(Section):
     margin: float | Literal["U"] = 0.0
     """Within this distance of a bound a value is marginal; `"U"` guards with the expanded uncertainty."""
     unit: str | None = None
-    """Unit of the bounds, which is checked, or `T_N`, `omega_m_N`, `I_N_peak`: parts of a rated value."""
+    """Unit of bounds and margin, which is checked, or `T_N`, `omega_m_N`, `I_N_peak`: parts of the rated."""
     requirement: str | None = None
     """Requirement that this limit is evidence for, as a specification numbers it."""
     waived: Waived | None = None
@@ -77,7 +82,7 @@ class Limit(Section):
     def _unit_of_the_keys(cls, table: Any) -> Any:
         if not isinstance(table, Mapping):
             return table
-        for bound in ("min", "max", "margin"):
+        for bound in _NUMBERS:
             same = [str(key) for key in table if str(key).partition("_")[0] == bound]
             if len(same) > 1:
                 raise ValueError(f"{' and '.join(same)} in one limit, each states the same: leave one out")
@@ -85,13 +90,15 @@ class Limit(Section):
         units = [str(table["unit"])] if isinstance(table.get("unit"), str) else []
         for key, value in table.items():
             bound, _, unit = str(key).partition("_")
-            if bound not in ("min", "max", "margin") or not unit:
+            if bound not in _NUMBERS or not unit:
                 found[key] = value
                 continue
             found[bound] = value
             units.append(unit)
         if len({unit_suffix(unit) for unit in units}) > 1:
             raise ValueError(f"units {' and '.join(units)} in one limit, one is expected: convert the bounds")
+        if units and units[0] in RATED_UNITS and "unit" not in table:
+            _require_stated(table, units[0])
         return found | ({"unit": units[0]} if units else {})
 
     @field_validator("margin", mode="before")
@@ -210,6 +217,19 @@ class Limit(Section):
         if self.margin == "U":
             return "guard band U (95 %)"
         return f"marginal within {as_written(self.margin)[0]}" if self.margin else SIMPLE
+
+
+def _require_stated(table: Mapping[Any, Any], unit: str) -> None:
+    """Refuse a bound or a margin without a unit beside one in parts of a rated value: it may be in the unit
+    of the measurement. Zero and `"U"` are the same in both."""
+    bare = [each for each in _NUMBERS if isinstance(table.get(each), int | float) and table[each] != 0]
+    if bare:
+        beside = next(str(key) for key in table if str(key).endswith(f"_{unit}"))
+        keys = " and ".join(f"{each}_{unit}" for each in bare)
+        raise ValueError(
+            f"{' and '.join(bare)} without a unit beside {beside}: state {keys}, or each number in the unit "
+            f"of the measurement"
+        )
 
 
 def worst(verdicts: Iterable[Verdict]) -> Verdict:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from benchtool.errors import PlanError
-from benchtool.plan.limits import Limit
+from benchtool.plan.limits import RATED_UNITS, Limit
 from benchtool.plan.model import OF_RATED, Plan
 from benchtool.profile import Motor
 
@@ -60,11 +60,8 @@ def _rated_of(key: str, motor: Motor) -> float:
 
 
 def _in_si(limits: Mapping[str, Limit], motor: Motor) -> dict[str, Limit]:
-    units = {
-        "T_N": (motor.T_N_Nm, "Nm"),
-        "omega_m_N": (motor.omega_m_N_rad_s, "rad/s"),
-        "I_N_peak": (math.sqrt(2.0) * motor.I_N_A_rms, "A"),
-    }
+    values = (motor.T_N_Nm, "Nm"), (motor.omega_m_N_rad_s, "rad/s"), (math.sqrt(2.0) * motor.I_N_A_rms, "A")
+    units = dict(zip(RATED_UNITS, values, strict=True))
     found = {}
     for name, limit in limits.items():
         rated, unit = units.get(limit.unit or "", (1.0, limit.unit))

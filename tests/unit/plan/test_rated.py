@@ -45,7 +45,7 @@ def test_what_is_swept_is_in_si_for_a_motor() -> None:
 
 def test_limits_are_in_si_for_a_motor() -> None:
     limits = {
-        "torque_mean": {"min_T_N": 0.4, "max_T_N": 0.6, "margin": 0.01},
+        "torque_mean": {"min_T_N": 0.4, "max_T_N": 0.6, "margin_T_N": 0.01},
         "omega_m_reached": {"max": 1.0, "unit": "omega_m_N"},
         "current_fundamental": {"max_I_N_peak": 0.5, "margin": "U"},
         "torque_ripple_pp": {"max_Nm": 0.1},
@@ -58,6 +58,36 @@ def test_limits_are_in_si_for_a_motor() -> None:
     assert current.max == pytest.approx(0.5 * math.sqrt(2.0) * 6.7)
     assert (current.margin, current.unit) == ("U", "A")
     assert (ripple.max, ripple.unit) == (0.1, "Nm")
+
+
+@pytest.mark.parametrize(
+    ("limit", "reason"),
+    [
+        ({"min": 0.06, "max_I_N_peak": 0.07}, "min without a unit beside max_I_N_peak: state min_I_N_peak"),
+        ({"min_I_N_peak": 0.06, "max": 0.64}, "max without a unit beside min_I_N_peak"),
+        ({"min": 0.64, "max_I_N_peak": 0.07}, "min without a unit"),
+        ({"max_I_N_peak": 0.07, "margin": 0.001}, "margin without a unit beside max_I_N_peak"),
+        ({"max": 0.64, "margin_I_N_peak": 0.001}, "max without a unit beside margin_I_N_peak"),
+    ],
+)
+def test_a_number_without_a_unit_beside_parts_of_rated_values_is_refused(
+    limit: dict[str, float], reason: str
+) -> None:
+    with pytest.raises(ValueError, match=reason):
+        plan(limits={"current_fundamental": limit})
+
+
+@pytest.mark.parametrize(
+    "limit",
+    [
+        {"min": 0, "max_I_N_peak": 0.5, "margin": 0.0},  # zero is the same in both
+        {"min_I_N_peak": 0.0, "max_I_N_peak": 0.5, "margin_I_N_peak": 0},
+        {"min": 0.0, "max": 0.5, "unit": "I_N_peak"},
+    ],
+)
+def test_all_numbers_in_parts_of_rated_values_are_in_si_for_a_motor(limit: dict[str, Any]) -> None:
+    (found,) = for_motor(plan(limits={"current_fundamental": limit}), MOTOR).limits.values()
+    assert (found.min, found.max, found.margin) == pytest.approx((0.0, 0.5 * math.sqrt(2.0) * 6.7, 0.0))
 
 
 def test_a_plan_in_si_is_left_as_it_is() -> None:
