@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, raw
@@ -17,7 +17,8 @@ _TRANSDUCER = "transducer_"
 class Disagreement:
     """A number by the drive's estimate, and by the transducer, further apart than their uncertainties.
 
-    Where the transducer is slower than the capture, the estimate was compared in the band that it shows.
+    Where the transducer is slower than the capture, the estimate in the band that it shows was compared with
+    what it read.
     `judged` is the plan's limit held against the transducer's number; None without a limit.
     """
 
@@ -52,11 +53,20 @@ class Disagreement:
         return in_common_band(self.estimate)
 
     @property
+    def shown(self) -> Measurement:
+        """The transducer's number that it is held against: in its band what it read."""
+        return _shown(self.estimate, self.true)
+
+    @property
     def band_text(self) -> str:
-        """What the estimate is in the transducer's band, in brackets; empty where the whole was compared."""
+        """What estimate and transducer are in the transducer's band, in brackets; empty where the whole was
+        compared."""
         if self.compared is self.estimate:
             return ""
-        return f" ({self.compared.in_unit} in the transducer's band, up to {raw(self._band_Hz, 4)} Hz)"
+        return (
+            f" ({self.compared.in_unit} in the transducer's band, up to {raw(self._band_Hz, 4)} Hz, where "
+            f"the transducer reads {self.shown.in_unit})"
+        )
 
     @property
     def _band_Hz(self) -> float:
@@ -73,7 +83,11 @@ class Disagreement:
             "verdict_by_transducer": None if self.verdict is None else str(self.verdict),
         }
         if self.compared is not self.estimate:
-            document |= {"estimate_in_band": self.compared.value, "band_Hz": self._band_Hz}
+            document |= {
+                "estimate_in_band": self.compared.value,
+                "transducer_in_band": self.shown.value,
+                "band_Hz": self._band_Hz,
+            }
         return document
 
 
@@ -104,21 +118,30 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         seen = in_common_band(estimate)
         if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        # in its band the estimate is as the transducer reads it, and so is not corrected
-        shown = true.value if estimate.in_common_band is None else true.as_read
-        if abs(seen.value - shown) > _of_difference(estimate, true).expanded:
+        if abs(seen.value - _shown(estimate, true).value) > _of_difference(estimate, true).expanded:
             judged = JudgedLimit.of(name, limits[name], true) if name in limits else None
             yield Disagreement(estimate, true, judged)
 
 
+def _shown(estimate: Measurement, true: Measurement) -> Measurement:
+    """Return the transducer's number that the estimate is held against: in the transducer's band, where the
+    estimate is as the transducer would read it, what it read, with what is not known of that."""
+    if estimate.in_common_band is None:
+        return true
+    uncertainty = true.uncertainty
+    if uncertainty is not None:
+        budget = uncertainty.budget
+        lags = [each for each in budget if each.instrument and each.instrument.effect == BANDWIDTH]
+        uncertainty = uncertainty.without(lags)
+        if true.value:  # it was enlarged with the value
+            uncertainty = uncertainty.scaled(true.as_read / true.value)
+    return replace(true, value=true.as_read, uncertainty=uncertainty, correction=None)
+
+
 def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:
-    """Return that of the difference; in the transducer's band without what its lag takes off, as the estimate
-    is without it there as well."""
-    shaft = _known(true.uncertainty)
-    if estimate.in_common_band is not None:
-        lags = [each for each in shaft.budget if each.instrument and each.instrument.effect == BANDWIDTH]
-        shaft = shaft.without(lags)
-    return of_difference(_known(in_common_band(estimate).uncertainty), shaft)
+    """Return that of the difference of the two numbers that are compared."""
+    seen, shown = in_common_band(estimate), _shown(estimate, true)
+    return of_difference(_known(seen.uncertainty), _known(shown.uncertainty))
 
 
 def _known(uncertainty: Uncertainty | None) -> Uncertainty:

@@ -223,6 +223,8 @@ class DisagreementDocument(Document):
     """Verdict by the transducer, where a limit holds for the number."""
     estimate_in_band: float | None = None
     """By the estimate in the band of a transducer that is slower than the capture: what was compared."""
+    transducer_in_band: float | None = None
+    """What the transducer read, which it was compared with."""
     band_Hz: float | None = None
     """Where that band ends."""
 

@@ -8,7 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchtool.analysis import Correction, Measurement, Uncertainty
+from benchtool.analysis import (
+    BANDWIDTH,
+    Basis,
+    Contribution,
+    Correction,
+    InstrumentError,
+    Measurement,
+    Uncertainty,
+    combined,
+)
 from benchtool.block import Block
 from benchtool.plan.limits import Limit, Verdict
 from benchtool.profile import Bench, Sensor
@@ -48,6 +57,28 @@ def test_in_its_band_the_estimate_is_held_against_what_the_transducer_read() -> 
     assert disagreements((narrow, true), {}) == ()
     assert disagreements((estimate, true), {}) == ()
     assert len(disagreements((replace(estimate, in_common_band=estimate), true), {})) == 1
+
+
+def test_what_the_transducer_read_in_its_band_is_told_beside_the_estimate_there() -> None:
+    """It read 0.20 Nm, which were 2.0 Nm before its lag; what scatters was enlarged with it."""
+    lag = Contribution("lag", "B", 0.030, instrument=InstrumentError(BANDWIDTH, "torque_transducer"))
+    scatter = Contribution("scatter", "A", 0.040)
+    true = replace(
+        _number("transducer_torque_ripple_pp", 2.0),
+        uncertainty=combined((scatter, lag), "test"),
+        correction=Correction(1.8, "bandwidth"),
+    )
+    in_band = replace(_number("torque_ripple_pp", 0.024, 0.003), basis=Basis(bandwidth_Hz=1000.0))
+    estimate = replace(_number("torque_ripple_pp", 0.0514, 0.003), in_common_band=in_band)
+    (found,) = disagreements((estimate, true), {"torque_ripple_pp": Limit(max=0.06)})
+    assert "(0.0240 ± 0.0059 Nm in the transducer's band, up to 1000 Hz, where the transducer reads" in str(
+        found
+    )
+    assert "reads 0.2000 ± 0.0078 Nm); on the shaft it is 2.000 ± 0.098 Nm" in str(found)
+    document = found.to_json()
+    assert (document["transducer"], document["estimate_in_band"]) == (2.0, 0.024)
+    assert document["transducer_in_band"] == pytest.approx(0.2)
+    assert document["standard_uncertainty"] == pytest.approx(math.hypot(0.003, 0.004))
 
 
 @pytest.mark.parametrize(

@@ -121,5 +121,6 @@ def test_what_transducers_of_two_bands_contradict_is_printed_for_each_run(
     printed = " ".join(capsys.readouterr().out.split())
     for letter, band_Hz in (("A", 200), ("B", 2000)):
         assert f"the transducer disagrees: {letter}: torque_mean is 0.6500" in printed
-        assert f"in the transducer's band, up to {band_Hz} Hz); on the shaft it is 0.6000" in printed
+        assert f"in the transducer's band, up to {band_Hz} Hz, where the transducer reads 0.6000" in printed
+    assert printed.count("); on the shaft it is 0.6000") == 2
     assert printed.count("(fail)") == 2
