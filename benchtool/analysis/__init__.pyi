@@ -89,6 +89,7 @@ from .quantisation.counted_line import (
 )
 from .quantisation.resolution import resolution as resolution
 from .remarks import (
+    correction_notes as correction_notes,
     pulse_note as pulse_note,
     repeatability_notes as repeatability_notes,
     signal_remarks as signal_remarks,

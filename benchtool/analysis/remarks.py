@@ -63,3 +63,21 @@ def repeatability_notes(measurements: Iterable[Measurement]) -> Iterator[str]:
                 f"{name} differs between records of this state by u = {u} besides its U: "
                 f"{each.repeatability.name}"
             )
+
+
+def correction_notes(measurements: Iterable[Measurement]) -> Iterator[str]:
+    """Yield for each bandwidth the numbers that are corrected by more than their U, the first in full; of
+    several of one name it is the one that is corrected most."""
+    largest: dict[str, dict[str, tuple[float, Measurement]]] = {}
+    for each in measurements:
+        own, correction = each.uncertainty, each.correction
+        if own is None or correction is None or not abs(correction.added) > own.expanded:
+            continue
+        of_sensors = largest.setdefault(correction.of, {})
+        if each.name not in of_sensors or abs(correction.added) > abs(of_sensors[each.name][0]):
+            of_sensors[each.name] = correction.added, each
+    for of, found in largest.items():
+        added, first = next(iter(found.values()))
+        by, read = (with_unit(text, first.unit) for text in (number(added, 2), number(first.as_read, 3)))
+        more = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        yield f"corrected by more than U: {first.name} by {by} from {read} as read{more} ({of})"

@@ -11,6 +11,7 @@ from benchtool.analysis import (
     NOTHING,
     Measurement,
     catalogue,
+    correction_notes,
     count_of,
     probability,
     raw,
@@ -129,6 +130,7 @@ def show_remarks(output: Output, cases: Sequence[Assessment]) -> None:
             told |= dict.fromkeys(f"regime: {each.text}" for each in case.recorded.regimes)
             told |= dict.fromkeys(f"{_of(case, cases)}{text}" for text in case.recorded.remarks(case.capture))
     told |= dict.fromkeys(_on_sensors(cases))
+    told |= dict.fromkeys(correction_notes(each for case in cases for each in case.measurements))
     told |= dict.fromkeys(repeatability_notes(each for case in cases for each in case.measurements))
     told |= dict.fromkeys(f"{_of(case, cases)}{text}" for case in cases for text in case.notes)
     refused = {reason for case in cases for reason in case.refusals}  # each told once, by its analysis

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchtool.analysis import (
+    correction_notes,
     pulse_note,
     raw,
     repeatability_notes,
@@ -67,7 +68,7 @@ def show_table(output: Output, answer: TableAnswer) -> None:
         output.sentence(f"without ±: {named(names)}: {reason}", "dim")
     for text in sensor_remarks(answer.measurements).values():
         output.sentence(text, "dim")
-    for text in repeatability_notes(answer.measurements):
+    for text in (*correction_notes(answer.measurements), *repeatability_notes(answer.measurements)):
         output.sentence(text, "dim")
     if note := pulse_note(answer.measurements):
         output.sentence(note, "dim")

@@ -133,7 +133,8 @@ class Instruments:
         unknown = [effect for effect in effects if isinstance(effect, str) and effect]
         known = [effect for effect in effects if isinstance(effect, Effect)] if not unknown else []
         by_data = each.uncertainty
-        each, by_lags = corrected(each, known, proportional=each.sensitivities.is_declared)
+        falls = not isinstance(each.sensitivities.content, Component)
+        each, by_lags = corrected(each, known, proportional=each.sensitivities.is_declared, falls=falls)
         if unknown:
             each = each.without_uncertainty("; ".join(unknown))
         untold = [] if by_lags else [effect.of for effect in known]

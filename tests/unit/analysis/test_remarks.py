@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchtool.analysis import (
     Contribution,
+    Correction,
     Measurement,
     Uncertainty,
     analyze_step,
+    correction_notes,
     pulse_note,
     repeatability_notes,
 )
@@ -50,4 +54,16 @@ def test_how_far_another_record_differs_is_told_where_it_shows() -> None:
     assert list(repeatability_notes([of(0.002), of(0.003), of(0.0002)])) == [
         "fundamental_frequency differs between records of this state by u = 0.0030 Hz besides its U: "
         "wander of the speed"
+    ]
+
+
+def test_a_correction_that_shows_beside_u_is_told() -> None:
+    def of(name: str, added: float, of: str = "bandwidth of torque") -> Measurement:
+        own = Uncertainty(0.01, "noise")
+        return Measurement(name, 1.0, "Nm", "", uncertainty=own, correction=Correction(added, of))
+
+    told = [of("a", 0.1), of("a", -0.3), of("b", 0.019), of("c", 0.02), of("d", 0.5, "another")]
+    assert list(correction_notes([*told, replace(told[-1], uncertainty=None)])) == [
+        "corrected by more than U: a by −0.30 Nm from 1.30 Nm as read and 1 more (bandwidth of torque)",
+        "corrected by more than U: d by 0.50 Nm from 0.500 Nm as read (another)",
     ]

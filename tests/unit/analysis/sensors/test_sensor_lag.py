@@ -104,6 +104,30 @@ def test_a_lag_that_is_known_is_corrected_within_its_tolerance() -> None:
     assert measurements_from_json({line.name: document}) == (line,)
 
 
+@pytest.mark.parametrize(("bandwidth_Hz", "is_known"), [(150.0, True), (140.0, False), (2.5, False)])
+@pytest.mark.parametrize("standard", [0.01, None])
+def test_what_a_known_lag_takes_off_is_corrected_up_to_as_much_as_it_leaves(
+    bandwidth_Hz: float, is_known: bool, standard: float | None
+) -> None:
+    """A line of 250 Hz is halved at 144 Hz; a hundred times beyond its bandwidth no sensor follows a lag."""
+    sensor = sensor_of(bandwidth_Hz=bandwidth_Hz, bandwidth_tolerance_percent=10.0)
+    read = (
+        reading("torque_line_amplitude", 0.2, standard, frequency_Hz=250.0),
+        reading("torque_ripple_pp", 0.4, standard),
+    )
+    found = applied(Bench(channels={"torque": sensor}), *read, blocks=[lines(f250=0.2)])
+    for each, before in zip(found, read, strict=True):
+        if is_known:
+            assert each.value == pytest.approx(before.value * math.hypot(1.0, 250.0 / 150.0), rel=1e-3)
+            assert (each.uncertainty is None) == (standard is None)
+            continue
+        assert (each.value, each.correction, each.uncertainty) == (before.value, None, None)
+        assert each.uncertainty_reason == (
+            "the sensor takes off more than it leaves, this is as read "
+            f"(bandwidth of {bandwidth_Hz:g} Hz of torque): use a faster one"
+        )
+
+
 def test_a_bandwidth_counts_for_a_ripple_by_its_waveform() -> None:
     """250 Hz behind 500 Hz: the sensor has taken a share of 0.118 of what it shows off a peak and an rms."""
     bench = Bench(channels={"torque": sensor_of(bandwidth_Hz=500.0)})
