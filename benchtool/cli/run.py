@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from benchtool.cli import options, proposals
+from benchtool.cli.junit_file import junit_file
 from benchtool.document import Faults
 from benchtool.errors import BenchError, NoSuchRecording, PlanError, UsageError
 from benchtool.file_kinds import FileKind, mistaken
@@ -132,10 +133,6 @@ def run(
     as_json: options.Json = False,
 ) -> int:
     """Run a test plan: set up, run, capture, measure, judge; the drive is disabled afterwards."""
-    if resume is not None and not resume.is_dir():
-        why = f"{resume} {'is a file' if resume.exists() else 'does not exist'}"
-        why = f"{why}: give the folder of the run that was cut short"
-        raise NoSuchRecording(mistaken(resume, FileKind.RUN) or why)
     chosen = RunOptions(
         profile,
         link,
@@ -168,14 +165,27 @@ def run_named(name: str, chosen: RunOptions) -> int:
     Raises:
         PlanError, ProfileError: one of them is not there, or a key is wrong.
     """
-    options.require_temperature(chosen.temperature_degC)
-    names = plan_names(name)
-    single = names == (name,)
-    plans = [plan for each in names for plan in _read(each, chosen.profile, chosen.changes, single=single)]
-    # Report errors in the plan before the modules that a run needs are loaded.
-    from benchtool.cli.run_plans import run_plans
+    with junit_file(name, None if chosen.dry_run else chosen.junit) as junit:
+        options.require_temperature(chosen.temperature_degC)
+        if chosen.resume and chosen.out is not None:
+            _require_run(chosen.out)
+        names = plan_names(name)
+        single = names == (name,)
+        plans = [
+            plan for each in names for plan in _read(each, chosen.profile, chosen.changes, single=single)
+        ]
+        # Report errors in the plan before the modules that a run needs are loaded.
+        from benchtool.cli.run_plans import run_plans
 
-    return run_plans(name, plans, chosen)
+        return run_plans(name, plans, chosen, junit)
+
+
+def _require_run(folder: Path) -> None:
+    """Refuse to go on with what is no folder of a run."""
+    if not folder.is_dir():
+        why = f"{folder} {'is a file' if folder.exists() else 'does not exist'}"
+        why = f"{why}: give the folder of the run that was cut short"
+        raise NoSuchRecording(mistaken(folder, FileKind.RUN) or why)
 
 
 def _read(name: str, profile: str, given: tuple[str, ...], *, single: bool) -> Iterator[NamedPlan]:

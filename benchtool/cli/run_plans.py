@@ -13,6 +13,7 @@ from pathlib import Path
 from benchtool.bench import open_session
 from benchtool.cli import live_views, operator_prompt, options
 from benchtool.cli.conditions import conditions
+from benchtool.cli.junit_file import JunitFile
 from benchtool.cli.output import Output
 from benchtool.cli.progress import RunProgress
 from benchtool.cli.results import show_run
@@ -21,23 +22,22 @@ from benchtool.cli.run_views import RunViews
 from benchtool.errors import DriveError, LinkError, UsageError
 from benchtool.plan import plan_path, worst
 from benchtool.profile import load_profile, profile_path
-from benchtool.recording import enlist, require_file, require_own, write_whole
+from benchtool.recording import enlist, require_own, write_whole
 from benchtool.results import RunResult, recorded_bundles
 from benchtool.run import RunInfo, bundle_folder, check_plan, run_plan
 
 
-def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
+def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions, junit: JunitFile) -> int:
     """Run one plan or the plans of a folder, print the results, and return the exit code.
 
     Args:
         name: of the plan or the folder, as it was given.
+        junit: which is written once all plans have run; of a run that fails its owner writes it.
     """
     if chosen.page is not None:
         from benchtool.report import PAGE_MARK
 
         require_own(chosen.page, PAGE_MARK)
-    if chosen.junit is not None:
-        require_file(chosen.junit)
     single = not plans[0].part
     output = Output(as_json=chosen.as_json)
     title = Path(name).stem if name.endswith(".toml") else name
@@ -51,6 +51,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
         bundle_folder(chosen.out, options.wall_time(), title) as folder,
         live_views.open_destinations(chosen.shown, output) as where,
     ):
+        junit.folder = folder
         try:
             results: dict[str, RunResult] = {}
             for shown in _shown_together(todo):
@@ -61,12 +62,7 @@ def run_plans(name: str, plans: Sequence[NamedPlan], chosen: RunOptions) -> int:
             if any(folder.rglob("manifest.json")):
                 end.add_note(f"go on with: {_resumption(name, folder, chosen)}")
             raise
-        finally:
-            if chosen.junit is not None and any(folder.rglob("manifest.json")):
-                from benchtool.report import write_junit
-                from benchtool.results import recorded_runs
-
-                write_junit(recorded_runs(folder), chosen.junit)
+        junit.write()
         enlist(folder, [each.directory for each in recorded_bundles(folder)])
         output.line(f"report with figures: benchtool report {shlex.quote(str(folder))}", "dim")
         if chosen.page is not None:

@@ -7,6 +7,7 @@ from .figures.session import (
 from .figures.twin import draw_twin as draw_twin
 from .images import png as png
 from .junit import (
+    BrokenOff as BrokenOff,
     junit as junit,
     write_junit as write_junit,
 )

@@ -2,13 +2,14 @@
 
 The elements are those of the schema that Jenkins' xunit plug-in publishes (junit-10.xsd), which GitLab and
 GitHub's reporters read too. A limit that is missed or undecided is a failure, a case that broke off an error,
-a case of the plan without a recording skipped.
+a case of the plan without a recording skipped. A run that ended with an error has a suite of that beside.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree
@@ -21,7 +22,15 @@ from benchtool.results import Disagreement, RecordedCase, RecordedRun, judged_to
 _NOT_IN_XML: Final = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def write_junit(runs: Sequence[RecordedRun], path: Path) -> None:
+@dataclass(frozen=True)
+class BrokenOff:
+    """The error that ended the run of a plan; the first line of `reason` says what it is."""
+
+    plan: str
+    reason: str
+
+
+def write_junit(runs: Sequence[RecordedRun], path: Path, broken_off: BrokenOff | None = None) -> None:
     """Write the document; its folder is made.
 
     Raises:
@@ -29,14 +38,16 @@ def write_junit(runs: Sequence[RecordedRun], path: Path) -> None:
     """
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(junit(runs))
+        path.write_bytes(junit(runs, broken_off))
 
 
-def junit(runs: Sequence[RecordedRun]) -> bytes:
+def junit(runs: Sequence[RecordedRun], broken_off: BrokenOff | None = None) -> bytes:
     """Return the document, in UTF-8; the same for the same recordings."""
     root = ElementTree.Element("testsuites", name="benchtool")
     for run in runs:
         root.append(_suite(run))
+    if broken_off is not None:
+        root.append(_suite_of_error(broken_off))
     for count in ("tests", "failures", "errors", "skipped"):
         root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
     ElementTree.indent(root)
@@ -51,6 +62,9 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
     properties = ElementTree.SubElement(suite, "properties")
     for name, value in run_facts(manifest).pairs:
         ElementTree.SubElement(properties, "property", name=name, value=_text(value))
+    assessed = [case.assessment for case in run.cases if case.assessment is not None]
+    if late := "; ".join(dict.fromkeys(str(one) for each in assessed for one in each.overdue)):
+        ElementTree.SubElement(properties, "property", name="calibration overdue", value=_text(late))
     for case in run.cases:
         _tests_of(suite, f"{title}.{_text(case.name)}", case)
     for group, each in judged_together(run.repeated):
@@ -59,6 +73,24 @@ def _suite(run: RecordedRun) -> ElementTree.Element:
     for name in run.missing:
         test = _test(suite, f"{title}.{_text(name)}", "run")
         ElementTree.SubElement(test, "skipped", message="the case has no recording")
+    return _counted(suite)
+
+
+def _suite_of_error(broken_off: BrokenOff) -> ElementTree.Element:
+    """Return the suite of a run that ended with an error: one test, which has it."""
+    suite = ElementTree.Element("testsuite", name=_text(broken_off.plan))
+    _broken(_test(suite, _text(broken_off.plan), "benchtool run"), broken_off.reason)
+    return _counted(suite)
+
+
+def _broken(test: ElementTree.Element, reason: str) -> None:
+    """Append to a test that it ended with an error."""
+    first, *_ = reason.splitlines() or [""]
+    ElementTree.SubElement(test, "error", message=_text(first), type="failed").text = _text(reason)
+
+
+def _counted(suite: ElementTree.Element) -> ElementTree.Element:
+    """Return a suite with the counts of its tests."""
     tests = suite.findall("testcase")
     suite.set("tests", str(len(tests)))
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
@@ -70,10 +102,11 @@ def _tests_of(suite: ElementTree.Element, place: str, case: RecordedCase) -> Non
     """Append the tests of a case: that it ran, and each of its limits."""
     ran = _test(suite, place, "run")
     if case.failure or not case.bundle.complete:
-        why = _text(case.failure or "the run was cut short")
-        ElementTree.SubElement(ran, "error", message=why, type="failed").text = why
+        _broken(ran, case.failure or "the run was cut short")
     output = ElementTree.SubElement(ran, "system-out")
-    output.text = _text(f"bundle: {case.bundle.directory}")
+    late = () if case.assessment is None else case.assessment.overdue
+    lines = f"bundle: {case.bundle.directory}", *(f"warning: {each}" for each in late)
+    output.text = _text("\n".join(lines))
     if case.assessment is None:
         return
     contradicted = {each.name: each for each in case.assessment.disagreements}

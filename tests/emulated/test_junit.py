@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
+from datetime import date
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,11 +13,14 @@ import pytest
 from typer.testing import CliRunner
 
 from benchtool.cli import app
+from benchtool.cli.junit_file import junit_file
+from benchtool.profile import Sensor
 from benchtool.recording import bundles_in
 from benchtool.report import junit
 from benchtool.report.assembly import run_report
 from benchtool.report.html import html_page
 from benchtool.results import recorded_runs
+from benchtool.results.calibration import Overdue
 
 PLAN = """
 title = "two laws & <more>"
@@ -118,3 +123,52 @@ def test_a_place_that_takes_no_file_is_one_line(tmp_path: Path) -> None:
     told = CliRunner().invoke(app, [*arguments, "--junit", str(tmp_path / "file" / "out.xml")])
     assert told.exit_code == 3
     assert "out.xml" in told.stderr
+
+
+@pytest.mark.parametrize(
+    ("changed", "options", "code", "message"),
+    [
+        ("torque_ripple_pp = { max = 0.02 }", [], 2, "torque_ripple_qq"),
+        ("", ["--link", "serial:/dev/no-such-port"], 3, "/dev/no-such-port"),
+        ("", ["--resume", "no-such-run"], 2, "no-such-run does not exist"),
+    ],
+)
+def test_a_run_that_ends_with_an_error_writes_it_in_place_of_an_earlier_file(
+    tmp_path: Path, changed: str, options: list[str], code: int, message: str
+) -> None:
+    text = PLAN.replace("torque_ripple_pp", "torque_ripple_qq") if changed else PLAN
+    (tmp_path / "two.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "out.xml").write_text("an earlier one", encoding="utf-8")
+    out = [] if "--resume" in options else ["--out", str(tmp_path / "run")]
+    arguments = ["run", str(tmp_path / "two.toml"), *out, *options]
+    told = CliRunner().invoke(app, [*arguments, "--junit", str(tmp_path / "out.xml")])
+    assert told.exit_code == code
+    root = _root((tmp_path / "out.xml").read_bytes())
+    (test,) = root.iter("testcase")
+    (error,) = test.iter("error")
+    assert message in str(error.get("message"))
+    assert str(error.get("message")) in told.stderr
+    assert (root.get("tests"), root.get("errors")) == ("1", "1")
+
+
+def test_a_run_that_breaks_off_has_its_error_beside_what_was_recorded(recorded: Path, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), junit_file("two.toml", tmp_path / "out.xml") as file:
+        file.folder = recorded / "run"
+        raise KeyboardInterrupt
+    whole, broken = _root((tmp_path / "out.xml").read_bytes())
+    assert len(list(whole.iter("testcase"))) > 4
+    (error,) = broken.iter("error")
+    assert (broken.get("name"), error.get("message")) == ("two.toml", "interrupted")
+
+
+def test_overdue_calibrations_are_told(recorded: Path) -> None:
+    late = Overdue("i_a", Sensor(sensor="LEM", due=date(2026, 1, 1)), date(2026, 1, 3))
+    (run,) = recorded_runs(recorded / "run")
+    first, *others = run.cases
+    assert first.assessment is not None
+    first = replace(first, assessment=replace(first.assessment, overdue=(late,)))
+    (suite,) = _root(junit([replace(run, cases=(first, *others))]))
+    properties = {each.get("name"): each.get("value") for each in suite.iter("property")}
+    assert properties["calibration overdue"] == str(late)
+    told = [str(each.text) for each in suite.iter("system-out") if f"warning: {late}" in str(each.text)]
+    assert len(told) == 1
