@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchtool.errors import BenchError
-from benchtool.recording import require_file
 
 
 @dataclass
@@ -27,7 +26,6 @@ class JunitFile:
         """
         if self.path is None:
             return
-        # Only a run that is to be written pays for these imports.
         from benchtool.report import BrokenOff, write_junit
         from benchtool.results import recorded_runs
 
@@ -42,8 +40,13 @@ class JunitFile:
 
 @contextmanager
 def junit_file(name: str, path: Path | None) -> Iterator[JunitFile]:
-    """Yield the file of a run by the name of its plan; a run that fails is written with its failure."""
+    """Yield the file of a run by the name of its plan; a run that fails is written with its failure.
+
+    What writing needs is imported where there is a file, so that a typing error does not wait for it.
+    """
     if path is not None:
+        from benchtool.recording import require_file
+
         require_file(path)
     file = JunitFile(path)
     try:

@@ -137,7 +137,7 @@ class Instruments:
         each, by_lags = corrected(each, known, proportional=each.sensitivities.is_declared, falls=falls)
         if unknown:
             each = each.without_uncertainty("; ".join(unknown))
-        untold = [] if by_lags else [effect.of for effect in known]
+        untold = [] if by_lags else [effect.bandwidth for effect in known]
         lines = [*moved.lines, *by_lags, *self._clock(each)]
         remarks = [self._unstated(each), self._unstated_clock(each), *moved.remarks]
         if channels is not None:

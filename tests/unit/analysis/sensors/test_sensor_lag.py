@@ -122,6 +122,8 @@ def test_what_a_known_lag_takes_off_is_corrected_up_to_as_much_as_it_leaves(
             assert (each.uncertainty is None) == (standard is None)
             continue
         assert (each.value, each.correction, each.uncertainty) == (before.value, None, None)
+        (not_known,) = (line.name for line in each.of_sensors)
+        assert not_known == f"bandwidth of {bandwidth_Hz:g} Hz of torque"
         assert each.uncertainty_reason == (
             "the sensor takes off more than it leaves, this is as read "
             f"(bandwidth of {bandwidth_Hz:g} Hz of torque): use a faster one"
