@@ -46,7 +46,8 @@ def asked_again(record: Record, altered: Perturbed) -> Iterator[Findings]:
 def _measured(analysis: Analysis[Any], record: Record, block: Block, settings: Section) -> Findings:
     question = record.question
     rated_Nm = math.nan if question.torque_rated_Nm is None else question.torque_rated_Nm
-    return measure(analysis, Window(block, question.pole_pairs or 1, rated_Nm), settings)
+    window = Window(block, question.pole_pairs or 1, rated_Nm, at_drive_ticks=False)
+    return measure(analysis, window, settings)
 
 
 def with_analyses(record: Record, analyses: Asked) -> Record:

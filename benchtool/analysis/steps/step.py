@@ -355,7 +355,7 @@ class StepSettings(Section):
 
 def _measure(window: Window, settings: StepSettings) -> Findings:
     block = window.block_of_reference(settings.reference)
-    found = analyze_step(block, settings.signal, settings.reference, held=True)
+    found = analyze_step(block, settings.signal, settings.reference, held=window.at_drive_ticks)
     return Findings(found.measurements, result=found)
 
 
