@@ -21,6 +21,7 @@ _RARELY, _LONG = 0.02, 30  # of neighbours are equal; samples in a row
 _FEWEST_HELD, _BY_CHANCE, _JUMPS = 6, 1e-6, 4.0  # samples; of a record; of the usual change
 _FEWEST_STAYS = 10  # values that are held as long, by which is told how many of them are held on
 _FEWEST_RUNS, _REGULAR_RUNS = 20, 0.9  # of equal values; share of them that is as long as usual
+_BEYOND_A_STEP = 0.1  # of the changes of a signal that moves by more than a step from value to value
 
 
 def require_signal(samples: NDArray[np.float64], name: str, unit: str = "") -> None:
@@ -231,10 +232,15 @@ def _stays_equal(runs: NDArray[np.int64]) -> float:
 
 def held_rows(values: NDArray[np.float64]) -> float:
     """Return for how many rows on average each of the values, shape (n,), is held, by a slower converter for
-    example; 1 if not."""
-    changes = np.flatnonzero(np.diff(values))
+    example; 1 if not, or where all changes are of one step: a signal that moves by less than that from row to
+    row repeats as well, and loses next to nothing where it is held."""
+    moves = np.abs(np.diff(values))
+    changes = np.flatnonzero(moves)
     runs = np.diff(changes)
     if len(runs) < _FEWEST_RUNS:
+        return 1.0
+    jumps = moves[changes]
+    if np.mean(jumps > 1.5 * np.min(jumps)) < _BEYOND_A_STEP:
         return 1.0
     usual = int(np.median(runs))
     is_regular = np.mean(np.abs(runs - usual) <= 1) > _REGULAR_RUNS and np.mean(runs == usual) > 0.5

@@ -86,6 +86,22 @@ def test_a_column_that_repeats_alone_is_named(share: float) -> None:
     assert often_stale(rounded, none) == ""
 
 
+@pytest.mark.parametrize(("columns", "turns"), [(1, 0.0017), (1, 0.0005), (3, 0.0005)])
+def test_a_current_that_rests_between_its_moves_repeats_by_chance(columns: int, turns: float) -> None:
+    """As one that no voltage drives for a part of each period of its carrier, in steps of a converter."""
+    row = np.arange(ROWS)
+    shift = TURN / 3.0 * np.arange(columns)[:, np.newaxis]
+    carried = 0.5 * np.cos(shift) * (row // 2 % 2)
+    exact = 5.0 * np.cos(TURN * turns * row - shift) + carried
+    noise = 2e-3 * np.random.default_rng(5).standard_normal(exact.shape)
+    values = 0.02 * np.round((exact + noise).T / 0.02)
+    none = np.zeros(ROWS, dtype=np.bool_)
+    assert np.mean(~np.any(np.diff(values, axis=0), axis=1)) > 0.02
+    assert not np.any(repeating_rows(values))
+    if turns > 1e-3:
+        assert "sampled less often" in often_stale(held(values, some(0.1))[:, 0], none)
+
+
 def test_what_is_between_many_is_not_told() -> None:
     assert "40 %" in too_stale(np.arange(ROWS) % 5 < 2)
     assert too_stale(some(0.2)) == ""

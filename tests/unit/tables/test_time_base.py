@@ -226,6 +226,14 @@ def test_rows_of_a_slower_converter_are_held_as_long_as_its_period(rate_Hz: floa
     assert held_rows(np.sin(0.37 * sample)) == pytest.approx(held, rel=2e-3)
 
 
+def test_a_signal_that_moves_by_less_than_a_step_from_row_to_row_is_not_held() -> None:
+    """The 8 bits of a converter are passed at most every other row."""
+    row, noise = np.arange(16_000), np.random.default_rng(7).standard_normal(16_000)
+    signal = 64.0 * np.cos(0.0098 * row) + 1.9 * np.cos(0.049 * row + 3.0) + 0.13 * noise
+    assert held_rows(np.round(signal)) == 1.0
+    assert held_rows(np.round(20.0 * signal[row // 3 * 3])) == pytest.approx(3.0, rel=0.02)
+
+
 def test_the_reason_states_how_far_jittering_stamps_are_off_and_not_where_steps_were_taken_for_gaps() -> None:
     shift = np.random.default_rng(3).uniform(-0.3, 0.3, 4000)
 
