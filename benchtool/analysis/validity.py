@@ -15,6 +15,7 @@ from benchtool.ticks import TICKS
 _FEWEST_IN_A_ROW, _FEWEST_APART, _CLIPPED_SHARE = 8, 5, 2e-3
 _OFTENER, _VALUES_BESIDE, _FEWEST_VALUES = 4.0, 3, 16
 _ONE_VALUE = 1e-10  # of the peak-to-peak: nearer values differ by rounding
+_FEWEST_TURNS = 6  # from one of two counts to the other, at rest
 _CRESTS_BY_CHANCE = 1e-4  # of crests of waves in steps
 _LOOKED_AT = 1 << 16  # samples, to count values by
 _RARELY, _LONG = 0.02, 30  # of neighbours are equal; samples in a row
@@ -105,8 +106,8 @@ def clipping(samples: NDArray[np.float64], unit: str = "") -> str:
     Clipped is what is at its greatest or least value much oftener than at the values beside it: the peak of a
     sine in steps of q is at most 2.4 times as often in the last step as in the one before. Either it stays
     there, for three samples in a row or more, or so many are there that a crest has them once in ten thousand
-    records, as where periods have few samples. Signals with less than sixteen different values are not
-    tested.
+    records, as where periods have few samples. What rests there as the record begins or ends is not clipped,
+    and signals with less than sixteen different values are not tested.
     """
     for sign, word in ((1.0, "greatest"), (-1.0, "least")):
         if share := clipped_share(sign * samples):
@@ -130,17 +131,41 @@ def require_unheld(samples: NDArray[np.float64], name: str, unit: str = "") -> N
 
 
 def clipped_share(samples: NDArray[np.float64]) -> float:
-    """Return the share of samples, shape (n,), that are clipped at their greatest value; 0 if none is."""
-    at_end = samples == np.max(samples)
-    count = int(np.count_nonzero(at_end))
-    if count < _FEWEST_APART or count < _CLIPPED_SHARE * len(samples):
+    """Return the share of samples, shape (n,), that are clipped at their greatest value; 0 if none is, and
+    none where the record begins or ends at rest there."""
+    greatest = float(np.max(samples))
+    if not _may_be_clipped(samples == greatest):
         return 0.0
+    samples = samples[_rows_at_rest(samples, greatest) :]
+    samples = samples[: len(samples) - _rows_at_rest(samples[::-1], greatest)]
+    at_end = samples == greatest
+    if not _may_be_clipped(at_end):
+        return 0.0
+    count = int(np.count_nonzero(at_end))
     values, counts = _levels(samples[:: max(1, len(samples) // _LOOKED_AT)])
     if len(values) < _FEWEST_VALUES or not counts[-1] > _OFTENER * np.max(counts[-1 - _VALUES_BESIDE : -1]):
         return 0.0
     in_a_row = bool(np.any(at_end[2:] & at_end[1:-1] & at_end[:-2]))
     is_clipped = (in_a_row and count >= _FEWEST_IN_A_ROW) or _is_no_crest(values, counts)
     return count / len(samples) if is_clipped else 0.0
+
+
+def _may_be_clipped(at_end: NDArray[np.bool_]) -> bool:
+    """Return whether so many samples are at the end, shape (n,), that it is worth looking at the others."""
+    return int(np.count_nonzero(at_end)) >= max(_FEWEST_APART, _CLIPPED_SHARE * len(at_end))
+
+
+def _rows_at_rest(samples: NDArray[np.float64], greatest: float) -> int:
+    """Return for how many samples, shape (n,), a signal rests before it moves: it goes back and forth between
+    its greatest value and one beside, as between two counts, or is zero, as of what is switched off."""
+    values, counts = _levels(samples[:: max(1, len(samples) // _LOOKED_AT)])
+    if len(values) < _FEWEST_VALUES:
+        return 0
+    beside = values[-1 - _VALUES_BESIDE : -1][np.argmax(counts[-1 - _VALUES_BESIDE : -1])]
+    begin = int(np.argmin(samples >= beside))
+    if np.count_nonzero(np.diff(samples[:begin] == greatest)) >= _FEWEST_TURNS:
+        return begin
+    return int(np.argmin(samples == greatest)) if greatest == 0.0 else 0
 
 
 def _levels(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -56,8 +56,8 @@ class Window:
     `torque_rated_Nm` and `current_rated_A_rms` are the bases of numbers "of rated"; without the second there
     is no `current_tdd`. `transducer` has channel torque_transducer and covers the block's time. `motor` is
     needed by analyses that test its parameters; its `slots` name orders. `excitation` says where a stimulus
-    plays. `at_drive_ticks` is set of rows that the drive took at its own ticks, at which its references change;
-    another recorder, of which a table is, does not run with them.
+    plays. `at_drive_ticks` is set of rows that the drive took at its own ticks, at which its references
+    change; another recorder, of which a table is, does not run with them.
     """
 
     block: Block

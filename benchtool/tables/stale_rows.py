@@ -27,9 +27,9 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     All columns are equal to those of the row before, while they move on either side of it. Of a column that
     moves by m of the steps that it has there from row to row neighbours are equal by chance in one row of
     about m: rows are repeated where that is improbable for all columns together, and there are more of them
-    than by chance. Of a signal that rests between its moves, as a current while no voltage drives it, more are
-    equal by chance: as many as moved by one step, either way alone, and where fewer moved by two that much
-    more.
+    than by chance. Of a signal that rests between its moves, as a current while no voltage drives it, more
+    are equal by chance: as many as moved by one step, either way alone, and where fewer moved by two that
+    much more.
     At rest, or where a converter is coarse, none is; the greatest and the least value, to which a column may
     be clipped, repeat by no chance.
     """
@@ -46,17 +46,18 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
     after[~same] += 1
     before, after = np.where(before < 0, after, before), np.where(after >= len(moves), before, after)
     inside = np.clip(before, 0, len(moves) - 1), np.clip(after, 0, len(moves) - 1)
-    chance, farthest, moving = np.ones(len(moves)), np.zeros(len(moves)), 0
+    chance, moving = np.ones(len(moves)), 0
+    farthest = np.zeros(len(moves), dtype=np.int64)  # in steps, three for more
     for column, move in zip(values.T, moves.T, strict=True):
         step, usual = _steps_near(column)[1:], 0.5 * (move[inside[0]] + move[inside[1]])
         inner = (column[1:] > np.min(column)) & (column[1:] < np.max(column))
         moved = inner & (usual > step)
         chance *= np.divide(step, usual, out=np.ones(len(moves)), where=moved)
-        farthest = np.maximum(farthest, move / step)  # in steps
+        farthest = np.maximum(farthest, sum(move / (of + 0.5) > step for of in range(3)))
         moving += bool(np.any(move))
     unlikely = chance < _BY_CHANCE
-    one = np.count_nonzero(unlikely & ~same & (farthest < 1.5))
-    two = np.count_nonzero(unlikely & (farthest > 1.5) & (farthest < 2.5))
+    one = np.count_nonzero(unlikely & ~same & (farthest <= 1))
+    two = np.count_nonzero(unlikely & (farthest == 2))
     at_rest = one / (2.0 * moving) * max(1.0, one / max(1, two))
     expected = max(float(np.sum(chance[unlikely])), at_rest)
     found = unlikely & same

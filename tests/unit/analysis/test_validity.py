@@ -104,6 +104,20 @@ def test_crests_in_steps_are_not_clipped() -> None:
         assert clipping(np.round(wave / step) * step) == ""
 
 
+@pytest.mark.parametrize("speed", [0.0, 80.12])
+@pytest.mark.parametrize("turned", [slice(None), slice(None, None, -1)])
+def test_a_signal_that_rests_at_a_count_before_or_after_it_moves_is_not_clipped(
+    speed: float, turned: slice
+) -> None:
+    """A speed by counts goes back and forth between two of them, or is zero; it reaches a limit later."""
+    answer = 100.0 * (1.0 - np.exp(-np.maximum(np.arange(6_000) - 1_200.0, 0.0) / 300.0))
+    answer += 5.0 * np.sin(0.02 * np.arange(6_000)) * (answer > 60.0)
+    counts = np.diff(np.floor(np.cumsum(speed + answer)))[turned]
+    assert np.mean(counts == np.min(counts)) > 0.1
+    assert clipping(counts) == clipping(-counts) == ""
+    assert "at the greatest value" in clipping(np.minimum(counts, np.floor(speed) + 101.0))
+
+
 @pytest.mark.parametrize("digits", [3, 5, 15])
 @pytest.mark.parametrize(
     ("first", "last"), [(0, 400), (1500, 1560), (1000, 2000), (1000, 1001 + 1500), (4000, 5000)]
