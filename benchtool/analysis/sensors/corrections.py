@@ -60,18 +60,23 @@ def corrected(
     What scatters in a `proportional` number, an amplitude or a ratio of some, is enlarged as the number is.
     Of one that a sensor may have taken almost whole the reading is left, without an uncertainty, and so of
     one that `falls` with what a sensor takes off where that is more than is left: so far beyond its bandwidth
-    no sensor is known to follow a lag.
+    no sensor is known to follow a lag. One that sensors of known responses may have added, as an unbalance, is
+    known to be no more than that.
     """
     added = sum(each.estimate.value - read.value for each in effects)
     lines = tuple(_contribution(each, read.value) for each in effects)
     if not effects:
         return read, ()
     value, by_sensors = read.value + added, math.hypot(*(each.standard for each in lines))
-    unknown = coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0
+    names = ", ".join(each.of for each in effects)
+    enlarges = next((each.estimate.enlarges for each in effects if each.estimate.enlarges), None)
+    is_guarantee = any(each.is_guarantee for each in effects)
+    unknown = coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0 and (
+        is_guarantee or enlarges is None
+    )
     taken = falls and abs(value) > _MOST_ENLARGED * abs(read.value)
     if proportional and (unknown or taken):
         bandwidths = ", ".join(each.bandwidth for each in effects)
-        is_guarantee = any(each.is_guarantee for each in effects)
         why = f"the sensor may have changed it by as much as is left ({bandwidths})"
         if is_guarantee:
             why += ": state bandwidth_tolerance_percent, if its response is known"
@@ -83,8 +88,8 @@ def corrected(
     before = [each.scatter for each in effects if each.scatter is not None]
     uncertain = max(before, key=lambda each: each.standard, default=read.uncertainty)
     if uncertain is not None and proportional and read.value:
-        uncertain = uncertain.scaled(value / read.value)
-    correction = Correction(added, ", ".join(each.of for each in effects)) if added else None
+        uncertain = uncertain.scaled(value / read.value if enlarges is None else enlarges)
+    correction = Correction(added, names) if added else None
     return replace(read, value=value, uncertainty=uncertain, correction=correction), lines
 
 

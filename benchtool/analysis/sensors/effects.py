@@ -132,7 +132,11 @@ def _component_before(
     # of a magnitude that turns may have made all of it counts, of another what is in phase with it
     if len(phasors) == len(lags) and coverage_factor(math.inf) * apart < estimate.value:
         apart = as_stated * _by_turns(of, phasors, turned)
-    return Estimate(estimate.value, math.hypot(estimate.standard, apart))
+    if of.which == "positive":
+        return Estimate(estimate.value, math.hypot(estimate.standard, apart))
+    # of a ratio the positive sequence, its reference, is as much larger
+    enlarges = 1.0 if of.in_percent else slowest.estimate(1.0, [each.enlarges(at_Hz) for each in slowest.responses]).value
+    return Estimate(estimate.value, math.hypot(estimate.standard, apart), enlarges)
 
 
 def _turned(lag: Lag, at_Hz: float) -> float:

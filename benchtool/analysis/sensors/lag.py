@@ -46,10 +46,15 @@ class Response:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number as it was before a sensor, with the standard uncertainty that the sensor's response leaves."""
+    """A number as it was before a sensor, with the standard uncertainty that the sensor's response leaves.
+
+    `enlarges` is set of one to which sensors add, as those that differ do to an unbalance: by it scatter is
+    larger before them. Of others they take off, and scatter is in proportion to the number.
+    """
 
     value: float
     standard: float
+    enlarges: float | None = None
 
 
 @dataclass(frozen=True)

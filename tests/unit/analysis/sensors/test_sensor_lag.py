@@ -218,6 +218,26 @@ def test_what_is_not_known_of_three_lags_looks_like_unbalance(tolerance_percent:
         assert "state bandwidth_tolerance_percent" in zero.uncertainty_reason
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_an_unbalance_that_lags_made_has_the_uncertainty_of_what_they_turn(seed: int) -> None:
+    """Three lags of 400 Hz within 10 % turn phases of 45 Hz, in balance, apart; scatter is in proportion."""
+    random = np.random.default_rng(seed)
+    angle, currents = 2.0 * math.pi * 45.0 * np.arange(10_000) / 20e3, {}
+    for k, name in enumerate(("i_a", "i_b", "i_c")):
+        lag = 45.0 / (400.0 * (1.0 + random.uniform(-0.1, 0.1)))
+        phase = angle - 2.0 * k * math.pi / 3.0 - math.atan(lag)
+        currents[name] = 5.0 / math.hypot(1.0, lag) * np.cos(phase) + 0.01 * random.standard_normal(10_000)
+    block = Block.from_arrays(20e3, dict.fromkeys(currents, "A"), **currents)
+    analysis = next(each for each in catalogue().steady if each.title == "current unbalance")
+    read = analysis.measure(Window.of(block, EXAMPLE_MOTOR), analysis.settings()).measurements
+    sensor = sensor_of(bandwidth_Hz=400.0, bandwidth_tolerance_percent=10.0)
+    for each in applied(Bench(channels=dict.fromkeys(currents, sensor)), *read, blocks=[block]):
+        if each.name in ("current_unbalance_percent", "current_unbalance_zero_percent"):
+            u = uncertainty_of(each).standard
+            assert u == pytest.approx(100.0 * 0.1 * 45.0 / 400.0 / ROOT_3 / ROOT_3, rel=0.1)
+            assert 0.0 < each.value < 2.0 * u
+
+
 def test_a_response_is_divided_out_of_a_frequency_response() -> None:
     """A lag of 100 Hz behind one of 200 Hz: both together have the bandwidth of 84 Hz."""
     random, count, rate_Hz = np.random.default_rng(5), 20_000, 10e3
