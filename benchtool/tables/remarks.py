@@ -27,6 +27,7 @@ from benchtool.tables.clocks import Clock
 from benchtool.tables.columns import QUANTITIES
 from benchtool.tables.head import Column, has_number, split
 from benchtool.tables.layout import Layout
+from benchtool.tables.phase_wiring import miswired
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
 from benchtool.tables.selection import Selection
@@ -53,6 +54,7 @@ class RemarkKind(StrEnum):
     CLIPPED = "clipped"
     FLAT_CRESTS = "flat_crests"
     STOOD_STILL = "stood_still"
+    MISWIRED = "miswired"
     REPEATED_ROWS = "repeated_rows"
     TWO_REGIMES = "two_regimes"
     SEVERAL_REGIMES = "several_regimes"
@@ -270,8 +272,8 @@ def of_clock(clock: Clock, time: Selection | None) -> Iterator[Remark]:
 
 
 def remarks(record: Record) -> Iterator[Remark]:
-    """Yield the clipping, rows that repeat the one before, a channel that stood still, and two regimes that
-    one number would average."""
+    """Yield the clipping, rows that repeat the one before, a channel that stood still, a phase that reads
+    backwards or is another, and two regimes that one number would average."""
     if text := _left_out(record):
         yield Remark(RemarkKind.ROWS_LEFT_OUT, "", text)
     if text := _shortened(record):
@@ -285,6 +287,9 @@ def remarks(record: Record) -> Iterator[Remark]:
     if text := record.angle_refusal:
         text = f"{text}; orders leave them out, and it tells no periods: choose a span without them"
         yield Remark(RemarkKind.STOOD_STILL, "angle", text)
+    what, text = miswired(record)
+    if text:
+        yield Remark(RemarkKind.MISWIRED, what, text)
     settings = [each for table in record.analyses.values() for each in table.values()]
     responding = [each for each in settings if isinstance(each, str)]  # they do not stay at one level
     for what, channel in record.channels.items():

@@ -53,7 +53,8 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
         inner = (column[1:] > np.min(column)) & (column[1:] < np.max(column))
         moved = inner & (usual > step)
         chance *= np.divide(step, usual, out=np.ones(len(moves)), where=moved)
-        farthest = np.maximum(farthest, sum(move / (of + 0.5) > step for of in range(3)))
+        in_steps = np.sum([move / most > step for most in (0.5, 1.5, 2.5)], axis=0)
+        farthest = np.maximum(farthest, in_steps)
         moving += bool(np.any(move))
     unlikely = chance < _BY_CHANCE
     one = np.count_nonzero(unlikely & ~same & (farthest <= 1))

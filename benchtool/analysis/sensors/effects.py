@@ -135,7 +135,11 @@ def _component_before(
     if of.which == "positive":
         return Estimate(estimate.value, math.hypot(estimate.standard, apart))
     # of a ratio the positive sequence, its reference, is as much larger
-    enlarges = 1.0 if of.in_percent else slowest.estimate(1.0, [each.enlarges(at_Hz) for each in slowest.responses]).value
+    enlarges = (
+        1.0
+        if of.in_percent
+        else slowest.estimate(1.0, [each.enlarges(at_Hz) for each in slowest.responses]).value
+    )
     return Estimate(estimate.value, math.hypot(estimate.standard, apart), enlarges)
 
 
