@@ -1,4 +1,4 @@
-"""How the sensors of three phase currents are wired: one that reads backwards, two phases that are swapped."""
+"""How the sensors of three phase currents are wired: one that reads backwards, or two that are swapped."""
 
 from __future__ import annotations
 

@@ -57,8 +57,8 @@ def repeating_rows(values: Floats) -> NDArray[np.bool_]:
         farthest = np.maximum(farthest, in_steps)
         moving += bool(np.any(move))
     unlikely = chance < _BY_CHANCE
-    one = np.count_nonzero(unlikely & ~same & (farthest <= 1))
-    two = np.count_nonzero(unlikely & (farthest == 2))
+    one = int(np.count_nonzero(unlikely & ~same & (farthest <= 1)))
+    two = int(np.count_nonzero(unlikely & (farthest == 2)))
     at_rest = one / (2.0 * moving) * max(1.0, one / max(1, two))
     expected = max(float(np.sum(chance[unlikely])), at_rest)
     found = unlikely & same
