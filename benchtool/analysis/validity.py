@@ -157,7 +157,7 @@ def _may_be_clipped(at_end: NDArray[np.bool_]) -> bool:
 
 def _rows_at_rest(samples: NDArray[np.float64], greatest: float) -> int:
     """Return for how many samples, shape (n,), a signal rests before it moves: it goes back and forth between
-    its greatest value and one beside, as between two counts, or is zero, as of what is switched off."""
+    its greatest value and one beside, as between two counts, or is zero, as where it is switched off."""
     values, counts = _levels(samples[:: max(1, len(samples) // _LOOKED_AT)])
     if len(values) < _FEWEST_VALUES:
         return 0
