@@ -60,8 +60,8 @@ def corrected(
     What scatters in a `proportional` number, an amplitude or a ratio of some, is enlarged as the number is.
     Of one that a sensor may have taken almost whole the reading is left, without an uncertainty, and so of
     one that `falls` with what a sensor takes off where that is more than is left: so far beyond its bandwidth
-    no sensor is known to follow a lag. One that sensors of known responses may have added, as an unbalance, is
-    known to be no more than that.
+    no sensor is known to follow a lag. One that sensors of known responses may have added, as an unbalance,
+    is known to be no more than that.
     """
     added = sum(each.estimate.value - read.value for each in effects)
     lines = tuple(_contribution(each, read.value) for each in effects)
@@ -71,9 +71,8 @@ def corrected(
     names = ", ".join(each.of for each in effects)
     enlarges = next((each.estimate.enlarges for each in effects if each.estimate.enlarges), None)
     is_guarantee = any(each.is_guarantee for each in effects)
-    unknown = coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0 and (
-        is_guarantee or enlarges is None
-    )
+    may_be_all = is_guarantee or enlarges is None
+    unknown = may_be_all and coverage_factor(math.inf) * by_sensors >= abs(value) > 0.0
     taken = falls and abs(value) > _MOST_ENLARGED * abs(read.value)
     if proportional and (unknown or taken):
         bandwidths = ", ".join(each.bandwidth for each in effects)

@@ -43,6 +43,6 @@ def test_the_larger_of_two_lines_is_within_its_uncertainty(apart: float, second:
 
 def test_what_noise_leaves_beside_two_lines_is_by_chance_and_a_third_line_is_not() -> None:
     assert np.mean([each.by_chance > 0.05 for each in pairs(0.9, 0.4j)]) > 0.85
-    third = hann_kernel(NUMBER - PLACE + 2.4, COUNT)
-    bins = hann_kernel(NUMBER - PLACE, COUNT) + 0.3 * third + 0.4 * hann_kernel(NUMBER - PLACE - 0.9, COUNT)
+    places = np.array([PLACE, PLACE + 0.9, PLACE - 2.4])
+    bins = hann_kernel(NUMBER[:, np.newaxis] - places, COUNT) @ np.array([1.0, 0.4j, 0.3])
     assert pair_of(bins, NUMBER, COUNT, PLACE, NOISE).by_chance < 1e-3
