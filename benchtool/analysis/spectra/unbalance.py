@@ -246,8 +246,8 @@ def current_unbalance(
 def _read(
     columns: Mapping[str, Floats], rate_Hz: float, track: PhaseTrack, known: Mapping[str, CurrentSpectrum]
 ) -> list[CoherentSamples]:
-    """Return the columns at the same steps of phase; those of channels that are `known` again where these have
-    another number of them in a period, as at a whole number of rows."""
+    """Return the columns at the same steps of phase: those that are `known` again, where they have another
+    number of steps in a period, as at a whole number of rows."""
     sampled = {name: known[name].coherent for name in columns if name in known}
     others = {name: each for name, each in columns.items() if name not in known}
     if others:
