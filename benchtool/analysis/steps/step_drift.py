@@ -23,7 +23,7 @@ _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk 
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST, _FEWEST_AT_REST = 20, 64  # samples whose lowest frequencies tell a walk: of few rows, and else
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
-_LITTLE = 2.5e-3  # of the step: a wander that is slow noise, an eighth of that band, and hides no answer
+_LITTLE = 1.5e-3  # of the step: a wander that is slow noise, and hides no answer
 
 
 @dataclass(frozen=True)
