@@ -109,10 +109,15 @@ def between_harmonics(
     other = _with_moving(interharmonics(spectrum_of(rest), len(coherent.values)), moving)
 
     def left(each: Interharmonics) -> float:
-        square = np.square(spectrum_of(without(coherent, each, course)).amplitude)
-        return float(np.sum(square) - np.sum(square[:: spectrum.periods]))
+        return left_between(spectrum_of(without(coherent, each, course)))
 
     return _without_modulation(found if other is None else min(found, other, key=left), spectrum)
+
+
+def left_between(spectrum: CoherentSpectrum) -> float:
+    """Return the sum of squares of the bins between the harmonics: noise, and what is not explained."""
+    square = np.square(spectrum.amplitude)
+    return float(np.sum(square) - np.sum(square[:: spectrum.periods]))
 
 
 def _apart_from_harmonics(coherent: CoherentSamples, course: Course) -> tuple[MovingTone, ...]:

@@ -28,6 +28,7 @@ from benchtool.analysis.spectra.interharmonics import (
     Interharmonics,
     between_harmonics,
     interharmonics,
+    left_between,
     scatter_of_phases,
     together,
     without,
@@ -139,12 +140,6 @@ class Separation:
         """Their spectrum."""
         return spectrum_of(self.steady.samples)
 
-    @property
-    def left2(self) -> float:
-        """The sum of squares of its bins between the harmonics: noise, and what is not explained."""
-        square = np.square(self.clean.amplitude[1:])
-        return float(np.sum(square) - np.sum(square[self.coherent.periods - 1 :: self.coherent.periods]))
-
     @cached_property
     def with_course(self) -> CoherentSpectrum:
         """Their spectrum with the course of their amplitude."""
@@ -217,7 +212,8 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
         except AnalysisError:  # what was taken out were no lines
             break
         again = _along(samples, rate_Hz, without_lines, channel, step)
-    return again if again.by_signal and again.left2 < _MORE * found.left2 else found
+    is_kept = again.by_signal and left_between(again.clean) < _MORE * left_between(found.clean)
+    return again if is_kept else found
 
 
 def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
