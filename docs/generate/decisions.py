@@ -226,7 +226,7 @@ SECTIONS: Final = (
         "The uncertainty of harmonics by what is around the lines, and sinusoids that are taken out "
         "(`benchtool.analysis.spectra`).",
         """
-        0147 0159 0188 0446 0273 0318 0272 0276 0486 0411 0412 0464 0469 0528 0530 0440 0441
+        0147 0159 0188 0446 0273 0318 0272 0276 0486 0411 0412 0464 0469 0528 0530 0440 0441 0421
         """,
     ),
     Section(
@@ -269,7 +269,7 @@ SECTIONS: Final = (
         "When a level is known well enough that a step has numbers, and what the samples tell that have "
         "arrived at it (`benchtool.analysis.steps`).",
         """
-        0098 0308 0298 0225 0250 0390 0392 0212
+        0098 0308 0298 0225 0250 0390 0392 0212 0420
         0274 0309 0381 0499 0484 0523 0488 0437
         0210 0280 0334 0366 0364 0451 0471
         """,

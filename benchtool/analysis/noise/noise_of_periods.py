@@ -204,9 +204,8 @@ def _differences(samples: CoherentSamples) -> _Differences | NoFloor:
     if samples.periods < _FEWEST_PERIODS and (
         samples.periods < _FEWEST_BESIDE_A_STEP or _is_more(lower, upper, half)
     ):
-        return (
-            NoFloor.FEW_PERIODS
-        )  # a step, the power of whose part of a period falls with the square of the order
+        # a step, the power of whose part of a period falls with the square of the order
+        return NoFloor.FEW_PERIODS
     of_each = np.mean(square, axis=1)
     order = np.argsort(of_each)
     usual = float(of_each[order[len(order) // 8]])  # a step is in three, and the least of many is low
