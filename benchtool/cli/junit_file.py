@@ -26,10 +26,11 @@ class JunitFile:
         """
         if self.path is None:
             return
+        from benchtool.recording import MANIFEST
         from benchtool.report import BrokenOff, write_junit
         from benchtool.results import recorded_runs
 
-        is_recorded = self.folder is not None and any(self.folder.rglob("manifest.json"))
+        is_recorded = self.folder is not None and any(self.folder.rglob(MANIFEST))
         runs = recorded_runs(self.folder) if self.folder is not None and is_recorded else ()
         broken_off = None
         if failure is not None:
