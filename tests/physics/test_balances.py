@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from benchmarks.balances import NINE, error_figures, errors
 
 
+@pytest.mark.slow
 def test_every_estimate_has_an_uncertainty_by_the_sensors_of_the_profile() -> None:
     """A dc link without noise reads the same in every sample, and its converter's step is the profile's."""
     (found,) = errors(1, seed=1)

@@ -111,6 +111,7 @@ def modulated(core: Core, kernel: Any) -> None:
     core.run_with(kernel, 2)
 
 
+@pytest.mark.slow  # of the largest kernel, which takes a quarter of a minute to compile
 def test_compiled_and_plain_functions_agree() -> None:
     compiled, plain = started(), started()
     modulated(compiled, kernel_of(compiled._truth))

@@ -82,7 +82,7 @@ def test_neighbours_with_one_error_count_once(alike: int) -> None:
     error = np.full(len(truth), 0.01)
     random = np.random.default_rng(4)
     missed = []
-    for _ in range(32):
+    for _ in range(18):
         alone = np.ones(len(truth) // alike, dtype=np.complex128)
         own = np.repeat(_with_errors(alone, error[::alike], random), alike)
         shared = np.full(len(truth), float(alike))

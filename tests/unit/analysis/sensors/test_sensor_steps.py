@@ -139,7 +139,7 @@ def test_lags_that_are_not_alike_leave_in_a_component_what_is_in_phase_with_it()
     )
     truths = {"current_sequence_positive": 6.0, "current_sequence_negative": 0.3}
     errors: dict[str, list[float]] = {name: [] for name in truths}
-    for _ in range(36):
+    for _ in range(20):
         currents = {}
         negative = 0.3 * np.exp(2j * math.pi * random.random())
         for k, name in enumerate(bench_of):

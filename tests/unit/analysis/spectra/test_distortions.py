@@ -120,7 +120,7 @@ def test_thd_with_noise_scatters_by_its_uncertainty(periods: float) -> None:
     """Of the noise nine tenths are in the band, and an amplitude is sqrt(2) of an rms."""
     turned = np.arange(round(200 * periods)) / 200.0
     truth, errors = math.hypot(3.0, 100.0 * math.sqrt(2.0 * 0.9) * 0.01), []
-    for seed in range(16):
+    for seed in range(10):
         random = np.random.default_rng(seed)
         signal = np.cos(2 * np.pi * turned) + 0.03 * np.cos(10 * np.pi * turned + random.uniform(0, 6.28))
         found = with_noise(signal + 0.01 * random.standard_normal(len(signal)))
@@ -212,7 +212,7 @@ def test_a_line_that_a_record_has_few_cycles_of_is_uncertain_by_where_in_them_it
     """Its mean square over the record is another with each phase, and part of it is in the bin of dc."""
     turned, errors = np.arange(round(200 * 20.3)) / 200.0, []
     truth = math.hypot(3.0, 2.0, 4.0, 100.0 * math.sqrt(2.0 * 0.9) * 2e-3)
-    for seed in range(16):
+    for seed in range(9):
         random = np.random.default_rng(seed)
         slow = 0.04 * np.cos(2 * np.pi * turned * random.uniform(0.14, 0.18) + random.uniform(0, 6.28))
         signal = np.cos(2 * np.pi * turned) + 0.02 * np.cos(14 * np.pi * turned)

@@ -126,7 +126,7 @@ def test_lines_that_steps_make_where_several_periods_hold_whole_rows_move_nothin
     """Of 500 rows in three periods digits make lines at thirds of orders: no tones of the signal."""
     random, digit = np.random.default_rng(8), 1e-4
     relative = []
-    for _ in range(20):
+    for _ in range(10):
         theta = 2 * np.pi * 3 / 500 * np.arange(6_000) + random.uniform(0, 2 * np.pi)
         size = 5.0 * random.uniform(0.9, 1.1)
         columns = {

@@ -44,7 +44,7 @@ def _pulse(level: Callable[[Floats], Floats], random: np.random.Generator) -> di
 @pytest.mark.parametrize("level", [np.abs, *at_length(lambda answer: 1.0 * (np.abs(answer) > 0.01))])
 def test_a_pulse_from_a_silent_rest_is_as_uncertain_as_its_plateau(level: Callable[[Floats], Floats]) -> None:
     random = np.random.default_rng(3)
-    found = [_pulse(level, random) for _ in range(16)]
+    found = [_pulse(level, random) for _ in range(10)]
     reach_s, settle_s = _UP * math.log(50.0), _FALLS_S + _UP * math.log(50.0)
     for name, truth in (("reach_time", reach_s), ("settling_time", settle_s), ("undershoot", 0.0)):
         relative = [(value - truth) / standard for value, standard in (each[name] for each in found)]

@@ -66,7 +66,7 @@ def test_times_of_rows_that_scatter_are_in_every_instant() -> None:
     random = np.random.default_rng(3)
     true_s = 1e-4 * (DEAD + TAU * np.log(50.0))
     relative = []
-    for _ in range(24):
+    for _ in range(14):
         row = np.arange(ROWS) - BEFORE + random.uniform(-0.4, 0.4, ROWS)
         reach = _measured(_lag(row))["reach_time"]
         assert reach.uncertainty is not None

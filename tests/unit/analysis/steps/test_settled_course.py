@@ -32,7 +32,7 @@ def test_a_settling_time_is_as_uncertain_as_its_errors_where_noise_at_rest_nears
     lag = -200.0 * np.exp(-ROWS / 40.0)
     true = 40.0 * np.log(200.0 / BAND)
     errors, stated = [], []
-    for _ in range(60):
+    for _ in range(30):
         found = NoisyCurve(lag + noise(random, 1)[0], noise(random, DRAWS)).last_outside(0.0, BAND)
         assert found is not None
         errors.append(found.place - true)

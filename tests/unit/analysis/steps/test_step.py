@@ -125,7 +125,7 @@ def test_a_signal_that_moves_with_its_reference_has_hardly_a_step_latency(held: 
 def test_the_time_of_a_step_is_as_uncertain_as_it_is_off(with_its_row: bool) -> None:
     """Be the steps made with the rows that show them or, at random, before."""
     random, tau, found = np.random.default_rng(4), 20.0, []
-    for _ in range(30):
+    for _ in range(16):
         since = np.arange(1000) - 100 + (0.0 if with_its_row else random.uniform())
         y = 1.0 - np.exp(-np.maximum(since, 0.0) / tau)
         for each in analyze_step(_block(y, _step(0.0, 1.0)), "torque", "torque_reference").measurements:
