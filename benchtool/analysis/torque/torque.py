@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 from numpy.polynomial import Polynomial
@@ -13,10 +12,9 @@ from benchtool.analysis.drawings import STEADY, TORQUE, WAVEFORMS
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
 from benchtool.analysis.spectra.current import current_of
+from benchtool.analysis.torque.estimate_error import TorqueOfBoth
 from benchtool.analysis.torque.ripple import ripple_numbers
-from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.window import Window
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -93,32 +91,9 @@ def transducer_torque(
     )
     if estimate is None:
         return numbers
-    mean, uncertain = numbers[0], None
-    if estimate.uncertainty is not None and mean.uncertainty is not None:
-        both = {"estimate": estimate.uncertainty, "transducer": mean.uncertainty}
-        parts = [u.line(f"mean of the {name}") for name, u in both.items()]
-        uncertain = combined(parts, "those of both means, taken as independent")
-    text = f"mean of the drive's estimate torque minus mean of {what}"
-    error_Nm = estimate.value - mean.value
-    reference = f"torque_transducer, {len(inside.data)} samples at {raw(inside.sample_rate_Hz)} Hz"
-    basis = replace(estimate.basis, reference=reference, alignment_s=inside.alignment_s or None)
-    why = "" if uncertain is not None else estimate.uncertainty_reason or mean.uncertainty_reason
-    error = Measurement(
-        "torque_error",
-        error_Nm,
-        "Nm",
-        text,
-        basis,
-        uncertain,
-        uncertainty_reason=why,
-        sensitivities=Sensitivities(
-            (
-                Sensitivity("torque", estimate.value, 1.0, OF_MEAN_STEP),
-                Sensitivity("torque_transducer", -mean.value, -1.0, OF_MEAN_STEP),
-            )
-        ),
-    )
-    return (*numbers, error)
+    per_revolution = 1 if track is None or track.residual_rad is None else pole_pairs
+    both = TorqueOfBoth(block, inside, estimate, numbers[0], track, rows, per_revolution)
+    return (*numbers, both.error(what))
 
 
 def _at_rows_of(track: PhaseTrack, fine: Block, coarse: Block) -> PhaseTrack:
@@ -305,7 +280,8 @@ TORQUE_ERROR: Final = Analysis(
             ("torque_error",),
             "Nm",
             "mean of the estimate - mean of the transducer",
-            "both means', of the rows above",
+            "scatter of the difference over periods, which a load that wanders is not in, and what steps "
+            "leave uncertain of each mean, of the rows above",
         ),
     ),
     settings=NoSettings,
