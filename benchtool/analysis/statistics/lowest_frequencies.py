@@ -33,8 +33,11 @@ _FALLS = 0.2  # probability before the record is seen that the density falls tow
 _NEAR_ZERO = 32.0  # cycles in the record, and below the first harmonic: a ripple's density rises above
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
 _SCALELESS = 0.5  # probability that such a density has no corner
+_WHITE_HELD = 0.4  # likewise of what a control makes
+_HELD_FROM = 0.08  # cycles in the record, below which that has no corner
 _MOST_OF_A_BAND = 6.0  # bins that a band counts as: the models do not hold more exactly than that
 _ENOUGH_PERIODS = 24
+_LEAST_TOLD = 1e-6  # of a bin: none at all has no likelihood
 _ABOVE_PERIODS = 1.0  # likewise, where what differs from period to period has a density of its own
 _LAST_OF_FIRST, _BESIDE = 0.75, 0.75  # of the distance between harmonics; sin^2 beside them
 _LOST = 4.5  # octaves by which the density rises below the lowest bin: 1/f noise does by 4.1 at most
@@ -85,7 +88,8 @@ def slow_noise(
         return None
     others = [_Beside.of(each, len(samples), bands.place[-1]) for each in beside]
     followed = None if reference is None else _Reference.of(reference, periods, bands.place[-1])
-    return _averaged(bands, periods, [each for each in others if each], followed)
+    told = bands if reference is None or followed is None else _apart(bands, samples - reference, periods)
+    return _averaged(bands, told, periods, [each for each in others if each], followed)
 
 
 def _of_periods(samples: Floats, periods: int) -> Bands | None:
@@ -97,6 +101,16 @@ def _of_periods(samples: Floats, periods: int) -> Bands | None:
     if periods >= _ENOUGH_PERIODS:
         most[bands.place > periods // 2] = _ABOVE_PERIODS
     return bands.counting(most)
+
+
+def _apart(bands: Bands, rest: Floats, periods: int) -> Bands:
+    """Return the bands of a signal counting as what in them is the `rest` without its reference, of shape
+    (n,): what is in both is one observation, and no two."""
+    alone = _of_periods(rest, periods)
+    power: Floats | float = 0.0
+    if alone is not None:
+        power = np.interp(bands.place, alone.place, alone.power, right=math.inf)
+    return bands.counting(bands.count * np.clip(power / bands.power, _LEAST_TOLD, 1.0))
 
 
 def continued_power(samples: Floats, periods: int, told_from: float, places: Floats) -> Floats | None:
@@ -253,18 +267,19 @@ def _density(place: Floats) -> Floats:
 
 
 def _averaged(
-    bands: Bands, periods: int, beside: Sequence[_Beside], reference: _Reference | None
+    bands: Bands, told: Bands, periods: int, beside: Sequence[_Beside], reference: _Reference | None
 ) -> SlowNoise:
-    """Return the error by all models, each of any size, with the weight that the bands give it, those of
-    records beside it, and those of a reference."""
+    """Return the error by all models, each of any size, with the weight that the bands give it, counting as
+    `told`, those of records beside it, and those of a reference."""
     place, models = bands.place, _candidates(bands.place.tobytes(), periods)
     usable, floors, steady = models.usable, models.floors, len(models.floors) + 1
-    fits = bands.fits(models.densities)
+    prior = models.prior if reference is None else models.prior_held
+    fits = told.fits(models.densities)
     for each in beside:
         fits += each.fits(usable, floors, steady)
     if reference is not None:
         fits += reference.fits(usable, floors, steady)
-    weight = models.prior * np.exp(fits - np.max(fits))
+    weight = prior * np.exp(fits - np.max(fits))
     weight /= np.sum(weight)
     size2 = _size2(models.densities, bands)
     if periods:  # levels of periods show below the first harmonic, as their means do
@@ -272,8 +287,9 @@ def _averaged(
         below = place < periods
         of_levels = Densities(models.densities.shape[levels][:, below])
         size2[levels] = np.sqrt(size2[levels] * bands.only(below).sizes(of_levels))
-    bands = bands.only(_near_zero(place, periods))
-    fits = bands.fits(models.near_zero)
+    near = _near_zero(place, periods)
+    bands, told = bands.only(near), told.only(near)
+    fits = told.fits(models.near_zero)
     if reference is not None:
         reference = reference.near_zero()
         fits += reference.fits(usable, floors, steady)
@@ -281,7 +297,7 @@ def _averaged(
         _half_width(weight, np.sqrt(models.of_mean * size2)) / _K,
         _DOF,
         float(np.sum(weight * models.rise)),
-        *_of_falling(bands, float(_log_mean(fits, models.prior)), reference),
+        *_of_falling(bands, told, float(_log_mean(fits, prior)), reference),
     )
 
 
@@ -289,7 +305,8 @@ def _averaged(
 class _Candidates:
     """All models at the places of the bands of a record, the steady ones last: their `densities`, also at
     those `near_zero` alone; the variance of the mean `of_mean` that each makes, the octaves by which it has
-    a `rise` below the record, and its `prior` probability, shape (models,)."""
+    a `rise` below the record, and its `prior` probability, or `prior_held` where a control makes the noise,
+    shape (models,)."""
 
     usable: NDArray[np.bool_]
     floors: Floats
@@ -298,6 +315,7 @@ class _Candidates:
     of_mean: Floats
     rise: Floats
     prior: Floats
+    prior_held: Floats
 
 
 @lru_cache(maxsize=_KEPT)
@@ -311,6 +329,7 @@ def _candidates(places: bytes, periods: int) -> _Candidates:
     rise = np.log2((low[:, usable] + level) / (one[:, usable] + level)).ravel()
     steady = _steady(place, floors, periods)
     densities = Densities(np.vstack([_shapes(_blurred(place), usable, floors), steady[:, 1:]]))
+    corners = int(np.count_nonzero(usable))
     return _Candidates(
         usable,
         floors,
@@ -318,7 +337,8 @@ def _candidates(places: bytes, periods: int) -> _Candidates:
         densities.only(_near_zero(place, periods)),
         np.append(of_mean, steady[:, 0]),
         np.append(rise, np.zeros(len(steady))),
-        _prior(int(np.count_nonzero(usable)), len(floors)),
+        _prior(corners, len(floors)),
+        _prior(corners, len(floors), held=True),
     )
 
 
@@ -330,12 +350,14 @@ def _falling(places: bytes) -> tuple[Densities, Floats, Floats]:
     return Densities(shape.reshape(of_mean.size, -1)), of_mean, of_kind
 
 
-def _of_falling(bands: Bands, others: float, reference: _Reference | None) -> tuple[float, float]:
-    """Return the probability that a density falls towards zero frequency, by the logarithm of the likelihood
-    of the `others`, and the standard deviation of the mean if it does."""
+def _of_falling(
+    bands: Bands, told: Bands, others: float, reference: _Reference | None
+) -> tuple[float, float]:
+    """Return the probability that a density falls towards zero frequency, by bands counting as `told` and the
+    logarithm of the likelihood of the `others`, and the standard deviation of the mean if it does."""
     falling, of_mean, of_kind = _falling(bands.place.tobytes())
     levels = of_mean.shape[1]
-    fits, prior = bands.fits(falling), np.repeat(of_kind, levels) / levels
+    fits, prior = told.fits(falling), np.repeat(of_kind, levels) / levels
     if reference is not None:
         fits += np.repeat(reference.fits_of_falling(), levels)
     odds = _FALLS / (1.0 - _FALLS) * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
@@ -439,15 +461,18 @@ def _half_width(weight: Floats, standard: Floats) -> float:
     return half
 
 
-def _prior(corners: int, floors: int) -> Floats:
+def _prior(corners: int, floors: int, *, held: bool = False) -> Floats:
     """Return the probabilities of all models before a record is seen, the steady ones last.
 
-    Most of what falls more slowly than a first-order lag has no corner: 1/f noise.
+    Most of what falls more slowly than a first-order lag has no corner: 1/f noise. The noise of a signal that
+    is `held` by a control has one, within its bandwidth, which a record of a steady state shows.
     """
-    of_corners = np.full((len(_EXPONENTS), corners), 1.0 / corners)
-    if corners > 1:
+    is_within = _CORNERS[:corners] >= _HELD_FROM if held else np.ones(corners, dtype=np.bool_)
+    of_corners = np.tile(is_within / np.count_nonzero(is_within), (len(_EXPONENTS), 1))
+    if corners > 1 and not held:
         of_corners[:-1] *= 1.0 - _SCALELESS
         of_corners[:-1, 0] += _SCALELESS
     each = np.repeat(of_corners.ravel() / len(_EXPONENTS), floors) / floors
-    of_periods = np.full(floors, 0.5 * _WHITE / floors)
-    return np.concatenate([(1.0 - _WHITE) * each, [0.5 * _WHITE], of_periods])
+    white = _WHITE_HELD if held else _WHITE
+    of_periods = np.full(floors, 0.5 * white / floors)
+    return np.concatenate([(1.0 - white) * each, [0.5 * white], of_periods])

@@ -147,6 +147,38 @@ def test_a_reference_tells_the_slow_noise_of_samples_that_follow_it() -> None:
     assert 0.45 < np.std(errors[True]) < 1.1
 
 
+def test_what_a_signal_shares_with_its_reference_tells_once() -> None:
+    """Of white noise in both the probability of a density that falls is as far from even as by one."""
+    random, count = np.random.default_rng(18), 200
+    odds: dict[bool, list[float]] = {False: [], True: []}
+    for _ in range(60):
+        reference = random.standard_normal(count)
+        samples = reference + 1e-2 * random.standard_normal(count)
+        for is_known, found in odds.items():
+            told = slow_noise(samples, reference=reference if is_known else None)
+            assert told is not None
+            found.append(math.log(told.falls / (1.0 - told.falls)))
+        same = slow_noise(samples, reference=samples)
+        assert same is not None
+        assert same.standard == pytest.approx(told.standard, rel=0.1)
+    assert np.std(odds[True]) < 1.3 * np.std(odds[False])
+
+
+def test_the_noise_of_a_control_is_level_below_its_bandwidth() -> None:
+    """Of three cycles in the record: the mean is known to about its scatter, and with less chance."""
+    random, count = np.random.default_rng(19), 300
+    means, known = [], []
+    for _ in range(60):
+        reference = coloured(random.standard_normal(count + 400), math.exp(-6.0 * math.pi / count))[400:]
+        samples = reference + 0.03 * random.standard_normal(count)
+        told = slow_noise(samples, reference=reference)
+        assert told is not None
+        means.append(float(np.mean(samples)))
+        known.append(told.standard)
+    assert np.std(np.array(means) / np.array(known)) < 1.1
+    assert np.median(known) < 2.2 * np.std(means)
+
+
 def test_noise_with_a_crest_does_not_rise_towards_zero() -> None:
     """As where a speed goes from count to count: the mean is known better than by its few cycles."""
     random = np.random.default_rng(17)
