@@ -193,7 +193,7 @@ SECTIONS: Final = (
         "The uncertainty of a mean or rms whose values are correlated, drift, cycle or wander "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0077 0124 0434 0146 0163 0247 0311 0508 0218 0397 0534 0422
+        0077 0124 0434 0146 0163 0247 0311 0508 0422 0218 0397 0534
         0408 0443 0230 0290 0436 0445 0474 0500 0476 0493 0494 0495 0430
         0453
         """,

@@ -110,7 +110,8 @@ def _by_extremes(
     """Return the standard deviation of the peak-to-peak over records, by the extremes of each period.
 
     They are those `without` slow lines, of `rest`, and without a course of few constants; where these are not
-    all that is slow, they meet by chance, and those of the `whole` samples, shape (n,), count.
+    all that is slow, they meet by chance, and those of the `whole` samples, shape (n,), count. Lines that are
+    less than what the extremes differ by do not make the largest one of few.
 
     It is nan where the ripple itself grows or falls over the whole record, as in part of a beat: what it
     comes to is not told. Values in heaps that are no `step` of a converter, whose resolution is elsewhere,
@@ -118,8 +119,9 @@ def _by_extremes(
     count as if all were of its largest size, and where its crests meet those of the beat is as in records
     that begin later.
     """
+    moved = 0.0 if rest is samples else float(np.ptp(samples - rest))
     found = [
-        [_about_course(each, rest is not samples) for each in without],
+        [_about_course(each, moved > float(np.std(each))) for each in without],
         [_about_course(each) for each in whole],
     ]
     is_told = max(neighbours_alike(each.values) for each in found[0]) <= _ALIKE
@@ -129,7 +131,9 @@ def _by_extremes(
         largest, least, of_beat = _in_beat(samples, slow)
     if _grows_throughout(np.add(*whole)):
         return math.nan
-    heaps = [scatter_of_heap(each, side * samples) for each, side in zip(whole, (1.0, -1.0), strict=True)]
+    # of periods in a slow line, as those of a revolution are, the extremes are heaps that all records have
+    told, of_told = (without, rest) if is_told else (whole, samples)
+    heaps = [scatter_of_heap(each, side * of_told) for each, side in zip(told, (1.0, -1.0), strict=True)]
     if any(heaps) and not step > 0.0:
         both = (of_heap or each.scatter(0.0) for of_heap, each in zip(heaps, (largest, least), strict=True))
         return math.hypot(*both)
