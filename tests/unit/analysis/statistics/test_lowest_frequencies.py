@@ -150,18 +150,19 @@ def test_a_reference_tells_the_slow_noise_of_samples_that_follow_it() -> None:
 def test_what_a_signal_shares_with_its_reference_tells_once() -> None:
     """Of white noise in both the probability of a density that falls is as far from even as by one."""
     random, count = np.random.default_rng(18), 200
-    odds: dict[bool, list[float]] = {False: [], True: []}
+    odds: tuple[list[float], list[float]] = [], []
     for _ in range(60):
         reference = random.standard_normal(count)
         samples = reference + 1e-2 * random.standard_normal(count)
-        for is_known, found in odds.items():
-            told = slow_noise(samples, reference=reference if is_known else None)
-            assert told is not None
-            found.append(math.log(told.falls / (1.0 - told.falls)))
-        same = slow_noise(samples, reference=samples)
+        alone, known, same = (slow_noise(samples, reference=each) for each in (None, reference, samples))
+        assert alone is not None
+        assert known is not None
         assert same is not None
-        assert same.standard == pytest.approx(told.standard, rel=0.1)
-    assert np.std(odds[True]) < 1.3 * np.std(odds[False])
+        for told, found in zip((alone, known), odds, strict=True):
+            found.append(math.log(told.falls / (1.0 - told.falls)))
+        assert same.standard == pytest.approx(known.standard, rel=0.1)
+    of_one, of_both = odds
+    assert np.std(of_both) < 1.3 * np.std(of_one)
 
 
 def test_the_noise_of_a_control_is_level_below_its_bandwidth() -> None:
