@@ -122,12 +122,14 @@ class ArrivedSamples:
             if about is None:
                 about = Tail.of(_away(course, first), band).goes_on_in(settled, rest)
             course[rest:] = np.mean(settled) if about is None else about
-            elsewhere, noise = noise.rms, Noise.of(settled if drifts else settled - course[rest:])
+            elsewhere, noise = noise.rms, Noise.of(settled - course[rest:])
             if about is None:
                 noise_alone = noise_of_readings(settled, step)
                 added = max(0.0, float(np.var(settled)) - noise_alone**2)
             if not noise.rms < LOUD * elsewhere < LOUD**2 * noise.rms:
                 beside = ()
+            elif drifts:
+                beside = tuple(without_a_line(each) for each in beside)
         on_the_way = _unlike(curve.uneven, noise, first, rest)
         rms: float | Floats = noise.rms
         if on_the_way is not None:

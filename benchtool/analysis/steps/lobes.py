@@ -1,111 +1,128 @@
-"""Whether a lobe of a curve that rings passes a level, which noise alone may decide.
+"""Which lobe of a curve that rings is the last to leave a band, which noise may decide.
 
-Where the last lobe is about as high as a band is wide, the curve enters that finally before the lobe or
-behind it; where a crest on the way up is about as high as a level, the curve first passes that at the crest
-or behind it. The curve has noise already, and the greatest of a lobe is raised by it: what is drawn about the
-curve has the noise twice, so that a lobe which noise has lifted over the level is hardly ever drawn below it.
+Where a lobe is about as high as a band is wide, the curve enters that finally before the lobe or behind it.
+Noise raises the greatest of a lobe, and a draw about the curve, which has the noise already, raises it twice.
+The height of a lobe is therefore that of the parabola through its upper half, of the curve as of a draw. Of
+what is either of two, the one that is not chosen is as likely as another record would show it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.passages import Crossing, first_passages, last_passages, places_of
+from benchtool.analysis.steps.passages import last_passage
 
 Floats = NDArray[np.float64]
 
-_OF_BOTH = math.sqrt(2.0)  # times the noise of the curve: that of a draw, too
-_SURE = 2.0  # standard deviations by which the curve is further below the level between two lobes
+_SURE = 2.5  # standard deviations between a lobe and a trough beside it: noise alone hardly makes both
+_UPPER = 0.5  # of the way from the higher of both troughs to the top
+_DEGREE = 2
+_OF_BOTH = math.sqrt(2.0)  # times the noise of the curve: by which two records of one answer differ
 
 
-def rms_beyond_lobes(
-    away: Floats, errors: Floats, standard: Floats, band: float, place: float, drawn: Floats
-) -> float:
-    """Return the rms distance from a `place` of final entries into the band that are in other lobes, over all
-    draws, by how much larger it is for the noise of both the curve and a draw than for that of a draw.
+@dataclass(frozen=True)
+class Lobe:
+    """Rows of a curve from one trough to before the next, and that of the greatest between both."""
 
-    The curve is so far `away`, shape (n,), from the level amid the band; `errors`, shape (draws, n), of this
-    `standard` deviation, are what noise makes of it, and `drawn`, shape (draws,), where each of them makes it
-    enter, nan where it does not. The band is wider by what the noise of both lifts the greatest of the last
-    lobe.
-    """
-    last = _row_before(place, len(away))
-    apart = _beside_other_lobes(np.abs(away) - band, standard, last)
-    if not np.any(apart):
-        return 0.0
-    beyond_zero = np.flatnonzero(away[:last] * away[last] < 0.0)
-    lobe = slice(int(beyond_zero[-1]) + 1 if len(beyond_zero) else 0, last + 1)
-    sign = 1.0 if away[last] > 0.0 else -1.0
-    lifted = band + _lifted(sign * away[lobe], sign * errors[:, lobe])
-    return _of_both(lambda curves: last_passages(curves, 0.0, lifted), away, errors, apart, place, drawn)
+    begin: int
+    top: int
+    end: int
 
 
-def rms_beyond_crests(
-    above: Floats, course: Floats, errors: Floats, standard: Floats, place: float, drawn: Floats
-) -> float:
-    """Return likewise that of first passages behind the crest at which the curve passes a level at a `place`.
+@dataclass(frozen=True)
+class Lobes:
+    """The `lobes` of a curve so far `away` from a level, shape (n,), the first of them where it begins."""
 
-    The curve is so far `above` that, shape (n,), draws begin from its `course`, and `drawn` are where they
-    first pass it. A crest before the place, which the curve does not pass, is as often passed as draws are.
-    """
-    passed = np.flatnonzero(above[_row_before(place, len(above)) :] >= 0.0)
-    if not len(passed):
-        return 0.0
-    first = _row_before(place, len(above)) + int(passed[0])
-    apart = _beside_other_lobes(above, standard, first)
-    apart[:first] = False
-    behind = np.flatnonzero(apart)
-    if not len(behind):
-        return 0.0
-    crest = slice(first, int(behind[0]))
-    lifted = _lifted(above[crest], errors[:, crest])
-    return _of_both(
-        lambda curves: first_passages(curves - lifted, _SURE * standard),
-        course,
-        errors,
-        apart,
-        place,
-        drawn,
-    )
+    away: Floats
+    lobes: tuple[Lobe, ...]
+
+    @classmethod
+    def of(cls, away: Floats, standard: Floats, most: float) -> Lobes:
+        """Return the lobes of a curve, shape (n,), between troughs that noise of this `standard` deviation,
+        shape (n,), does not make, and higher than the `most` of these that noise at rest does."""
+        size, of_noise = np.abs(away), most * standard
+        first, *others = _lobes(size, _SURE * standard)
+        return cls(away, (first, *(each for each in others if size[each.top] > of_noise[each.top])))
+
+    def at(self, place: float) -> int:
+        """Return the number of the lobe behind which the curve enters a band at a place."""
+        row = math.ceil(place) - 1
+        return max(0, bisect_right(self.lobes, row, key=lambda each: each.begin) - 1)
+
+    def entries(self, place: float, drawn: Floats, errors: Floats, band: float) -> tuple[float, Floats]:
+        """Return where the curve finally enters a band about the level, behind the lobe that is the likeliest
+        to leave that as the last one, and where draws do, shape (draws,).
+
+        A `place` and those `drawn`, nan where there is none, are entries of the curve and of draws as they
+        are, with these `errors`, shape (draws, n).
+        """
+        if len(self.lobes) == 1:
+            return place, drawn
+        heights = self._heights_in(errors)
+        leaves = heights > band
+        leaves[:, 0] = True
+        last = leaves.shape[1] - 1 - np.argmax(leaves[:, ::-1], axis=1)
+        own = self.at(place)
+        later = {own: 0.0}
+        for number in np.unique(last[last != own]).tolist():
+            height = float(np.mean(heights[last == number, number]))
+            later[number] = self._entry(self.lobes[number], band, height) - place
+        known = drawn[np.isfinite(drawn)].tolist()
+        behind = [each - place for each in known if self.at(each) == own] or [0.0]
+        moved = place + np.array([later[each] for each in last.tolist()]) + np.resize(behind, len(drawn))
+        likeliest = int(np.argmax(np.bincount(last)))
+        return place + later.get(likeliest, 0.0), np.where(np.isnan(drawn), np.nan, moved)
+
+    def _entry(self, lobe: Lobe, band: float, height: float) -> float:
+        """Return where the curve enters the band behind a lobe, or would if that were of a height beyond."""
+        top = abs(float(self.away[lobe.top]))
+        found = last_passage(self.away[: lobe.end], 0.0, band if top > band else band + top - height)
+        return float(lobe.end) if found is None else found.place
+
+    def _heights_in(self, errors: Floats) -> Floats:
+        """Return the heights of all lobes in each draw, shape (draws, lobes); the greatest of whatever is
+        drawn is raised by noise, of which a lobe is as high as in the curve on average."""
+        drawn = np.pad(_OF_BOTH * errors, ((1, 0), (0, 0)))
+        heights = np.stack([self._heights(each, drawn) for each in self.lobes], axis=1)
+        return np.asarray(heights[0] + heights[1:] - np.mean(heights[1:], axis=0))
+
+    def _heights(self, lobe: Lobe, errors: Floats) -> Floats:
+        """Return the height of a lobe in each draw, shape (draws,)."""
+        sign = -1.0 if self.away[lobe.top] < 0.0 else 1.0
+        size = sign * self.away[lobe.begin : lobe.end]
+        height, *troughs = np.abs(
+            self.away[[lobe.top, lobe.begin, min(lobe.end, len(self.away) - 1)]]
+        ).tolist()
+        upper = np.flatnonzero(size >= height - _UPPER * (height - max(troughs)))
+        rows = slice(int(upper[0]), int(upper[-1]) + 1)
+        values, drawn = size[rows], sign * errors[:, lobe.begin : lobe.end][:, rows]
+        if len(values) <= _DEGREE + 1:  # on a parabola themselves
+            return np.asarray(np.max(values + drawn, axis=1))
+        basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, len(values)), _DEGREE + 1))
+        return np.asarray(np.max((values + drawn) @ basis @ basis.T, axis=1))
 
 
-def _of_both(
-    passed: Callable[[Floats], list[Crossing | None]],
-    course: Floats,
-    errors: Floats,
-    apart: NDArray[np.bool_],
-    place: float,
-    drawn: Floats,
-) -> float:
-    """Return the rms distance from a place of passages that are apart by lobes, for the noise of both curve
-    and draw, beyond that for the noise of a draw."""
-    of_both = places_of(passed(course + _OF_BOTH * errors))
-    return math.sqrt(max(0.0, _square(of_both, place, apart) - _square(drawn, place, apart)))
-
-
-def _square(drawn: Floats, place: float, apart: NDArray[np.bool_]) -> float:
-    """Return the mean square distance of passages, where they are apart by lobes."""
-    places = np.clip(np.where(np.isnan(drawn), place, drawn), 0.0, len(apart) - 1.0)
-    before, behind = (each(places).astype(np.int64) for each in (np.floor, np.ceil))
-    return float(np.mean(np.where(apart[before] | apart[behind], (places - place) ** 2, 0.0)))
-
-
-def _beside_other_lobes(above: Floats, standard: Floats, at: int) -> NDArray[np.bool_]:
-    """Return which rows of a curve, so far above a level, are behind or before a trough below it, seen from
-    a row."""
-    troughs = np.concatenate([np.minimum.accumulate(above[at::-1])[:0:-1], np.minimum.accumulate(above[at:])])
-    return np.asarray(np.minimum(above, 0.0) - troughs > _SURE * standard)
-
-
-def _lifted(lobe: Floats, errors: Floats) -> float:
-    """Return by how much the noise of both curve and draw raises the greatest of a lobe, shape (n,)."""
-    raised = float(np.mean(np.max(lobe + errors, axis=1)) - np.max(lobe))
-    return (1.0 + _OF_BOTH) * max(0.0, raised)
-
-
-def _row_before(place: float, count: int) -> int:
-    return min(max(math.ceil(place) - 1, 0), count - 1)
+def _lobes(size: Floats, sure: Floats) -> Iterator[Lobe]:
+    """Yield the lobes of a size, shape (n,): behind each it falls by what is `sure`, shape (n,), and before
+    the next it rises by as much."""
+    slopes = np.diff(size)
+    turns = np.flatnonzero(slopes[1:] * slopes[:-1] <= 0.0) + 1
+    begin = top = trough = 0
+    falls = False
+    for row in (*turns.tolist(), len(size) - 1):
+        if not falls and size[row] > size[top]:
+            top = row
+        elif not falls and size[row] < size[top] - sure[row]:
+            falls, trough = True, row
+        elif falls and size[row] < size[trough]:
+            trough = row
+        elif falls and size[row] > size[trough] + sure[row]:
+            yield Lobe(begin, top, trough)
+            falls, begin, top = False, trough, row
+    yield Lobe(begin, top, len(size))

@@ -22,7 +22,8 @@ from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_l
 from benchtool.analysis.statistics.outlying_samples import converter_step
 from benchtool.analysis.steps.bursts import noise_and_levels, residual_levels
 from benchtool.analysis.steps.converter_levels import HIDES, at_turns, within_levels
-from benchtool.analysis.steps.lobes import rms_beyond_crests, rms_beyond_lobes
+from benchtool.analysis.steps.crests import rms_beyond_crests
+from benchtool.analysis.steps.lobes import Lobes
 from benchtool.analysis.steps.passages import (
     LEAST_DEFINED,
     SEED,
@@ -407,15 +408,17 @@ class NoisyCurve:
         if settled.leaves_late(course):  # itself, or by a rare burst of its noise
             return Instant(found.place, math.inf)
         drawn = settled.all_without_noise(course + self.errors)
-        places = places_of(last_passages(drawn, 0.0, band))
-        instant = Passage(found.place, found.reach, places).instant
-        # it falls and is there at once, or rises in between and is there later: one is as likely as the other
         rings = settled.with_rises(course, away)
+        lobes = Lobes.of(rings, self.standard, settled.most_soon)
+        entries = places_of(last_passages(drawn, 0.0, band))
+        place, places = lobes.entries(found.place, entries, self.errors, band)
+        instant = Passage(place, found.reach, places).instant
+        # it falls and is there at once, or rises in between and is there later: one is as likely as the other
         later = last_passage(rings, 0.0, band)
-        of_rise = 0.0 if later is None else 0.5 * max(0.0, later.place - found.place)
-        of_lobes = rms_beyond_lobes(rings, self.errors, self.standard, band, found.place, places)
-        standard = math.hypot(instant.standard, of_lobes, of_rise)
-        return replace(instant, place=found.place + of_rise, standard=standard)
+        if later is None or place != found.place or lobes.at(later.place) != lobes.at(place):
+            return instant
+        of_rise = 0.5 * max(0.0, later.place - place)
+        return replace(instant, place=place + of_rise, standard=math.hypot(instant.standard, of_rise))
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

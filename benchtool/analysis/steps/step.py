@@ -28,7 +28,7 @@ from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.ringing import Ringing, ringing_about
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.steps.step_drift import find_drift, wanders
+from benchtool.analysis.steps.step_drift import find_drift, wanders, without_drift
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
 from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
 from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown
@@ -172,12 +172,13 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
         at_rest = at_rest - course + course[-1]
     if step.y_noise.rms == 0.0 or len(at_rest) < _LONGER * TAIL * len(step.y):
         return curve, at_rest
-    noise = step.noise_of(step.y_before, at_rest)
-    offset = max(noise.offset, Noise.of(at_rest).offset)  # of the longer piece, be it the calmer
+    y_before, y_settled = without_drift(step.y_before, at_rest)
+    noise = step.noise_of(y_before, y_settled)
+    offset = max(noise.offset, Noise.of(y_settled).offset)  # of the longer piece, be it the calmer
     if offset and len(at_rest) >= _FEWEST_SAMPLES:
         # slow noise is as far off after the step as it was before, and wanders as it does at rest
-        away = float(np.mean(step.y_before)) - step.before
-        wander = float(np.std(means_of_parts(at_rest)))
+        away = float(np.mean(y_before)) - step.before
+        wander = float(np.std(means_of_parts(y_settled)))
         noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
     return NoisyCurve.through(step.y_clear, noise, before, step.of_plateau, step.level_step), at_rest
 

@@ -106,3 +106,18 @@ def test_a_slight_drift_before_a_step_moves_the_level_that_the_answer_leaves() -
         true_s = 0.21470 * lag / 10e3  # 1 - (1 + x) exp(-x) is 2 % there
         relative.append((latency.value - true_s) / latency.uncertainty.standard)
     assert np.sqrt(np.mean(np.square(relative))) < 1.5
+
+
+def test_a_drift_that_goes_on_is_no_slow_noise() -> None:
+    """It moves the signal by a fifth of the band in the whole record, and by far less until it settles."""
+    random, line = np.random.default_rng(17), 4e-6 * (np.arange(ROWS) - BEFORE)
+    for _ in range(4):
+        found = _found(WAY + line + 2e-4 * random.standard_normal(ROWS), 1.0)
+        for name, true in (("reach_time", np.log(50.0)), ("rise_time", np.log(9.0))):
+            standard = found[name].uncertainty
+            assert standard is not None
+            assert abs(found[name].value - true * DECAY / RATE_HZ) < 3.0 * standard.standard
+            assert standard.standard < 0.25 / RATE_HZ  # as slow noise, 0.8 of a row
+        rms = found["tracking_error_rms"].uncertainty
+        assert rms is not None
+        assert rms.standard < 0.02 * found["tracking_error_rms"].value
