@@ -206,7 +206,9 @@ class ArrivedSamples:
             return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
         moving = len(self.values) - (self.at_rest if self._is_level else 0)
         weights = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
-        on_the_way = self.noise.of_sum(self.course[:moving] / (rms * len(self.values)))
+        # what moves the instant leaves the samples there at the level that it is defined by
+        of_sum = self.noise.of_sum_after_first if self.is_moved_by_noise else self.noise.of_sum
+        on_the_way = of_sum(self.course[:moving] / (rms * len(self.values)))
         if self.on_the_way is not None:
             power = self.on_the_way.of_sum_of_squares() / (2.0 * rms * len(self.values))
             on_the_way = math.hypot(self.on_the_way.of_sum(weights), power)

@@ -122,7 +122,7 @@ def _lobes(size: Floats, sure: Floats) -> Iterator[Lobe]:
             falls, trough = True, row
         elif falls and size[row] < size[trough]:
             trough = row
-        elif falls and size[row] > size[trough] + sure[row]:
+        elif falls and size[row] > min(size[trough] + sure[row], size[top]):
             yield Lobe(begin, top, trough)
             falls, begin, top = False, trough, row
     yield Lobe(begin, top, len(size))

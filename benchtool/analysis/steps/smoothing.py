@@ -105,6 +105,15 @@ class Noise:
         square = 2.0 * float(products @ covariance) - float(products[0] * covariance[0]) if lags else 0.0
         return math.hypot(math.sqrt(max(0.0, square)), self.offset * float(np.sum(weights)))
 
+    def of_sum_after_first(self, weights: Floats) -> float:
+        """Return likewise that of the part which is not correlated with the first sample."""
+        lags = min(len(self.autocovariance), len(weights))
+        with_first = float(weights[:lags] @ self.autocovariance[:lags])
+        with_first += self.offset**2 * float(np.sum(weights))
+        of_first = math.hypot(self.rms, self.offset)
+        whole = self.of_sum(weights)
+        return math.sqrt(max(0.0, whole**2 - (with_first / of_first) ** 2)) if of_first else whole
+
     def of_mean(self, count: int) -> float:
         """Return the standard deviation of the mean of so many samples."""
         return self.of_sum(np.full(count, 1.0 / count))

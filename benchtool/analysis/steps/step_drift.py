@@ -22,8 +22,10 @@ _SHOWS = 0.7  # octaves by which noise rises below the lowest frequency of a pie
 _GROWS = 0.75  # of what it moves by in a half or a quarter of the time; a walk mostly 1.4 and 2 times
 _LONG = 6  # parts of a record that Allan's variance is of
 _FEWEST, _FEWEST_AT_REST = 20, 64  # samples whose lowest frequencies tell a walk: of few rows, and else
+_OF_ALLAN = 1.5  # of the variance of a difference of means side by side: that of a walk over their length
 _TOLERATED = 0.02  # of the step, over the time after it: the least settling band
 _LITTLE = 1.5e-3  # of the step: a wander that is slow noise, and hides no answer
+_LITTLE_ABOUT, _RETURNS = 2.5e-3, 0.1  # likewise, about a level that moves by so much of what a walk does
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,9 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     A walk may keep a signal from its level for so long that few samples are at rest: the later half of the
     record stands for them then. Where those before the step are few as well, slow noise of any kind moves
     more than both show, and a line or hum of which they hold no whole period is slow noise too.
+
+    A control takes a signal back to its level: where that is after the step as it was before, within a tenth
+    of what a walk as large would have moved it by, a larger wander is slow noise, too.
     """
     is_late = len(at_rest) < _FEWEST_AT_REST
     has_few = is_late and len(step.y_before) < _FEWEST_AT_REST
@@ -65,7 +70,10 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
     longest = max(pieces, key=len)
     size = len(longest) // _LONG
     wander, *shorter = (math.sqrt(_allan_variance(longest, max(1, size // each))) for each in (1, 2, 4))
-    if wander < max(_LITTLE * step.height, 0.0 if has_few else _GROWS * max(shorter)):
+    little = _LITTLE
+    if len(pieces) == len(about) and not has_few and _returns(about, len(step.y), wander**2 / size):
+        little = _LITTLE_ABOUT
+    if wander < max(little * step.height, 0.0 if has_few else _GROWS * max(shorter)):
         return ""
     # what only follows the step is how the answer creeps to its level
     noise = slow_noise(pieces[0]) if len(step.y_before) >= least else None
@@ -79,6 +87,15 @@ def wanders(step: Step, at_rest: Floats, *, drifts: bool) -> str:
         f"and more the longer it is watched: find what moves it, step further, or record less before and "
         f"after the step"
     )
+
+
+def _returns(about: tuple[Floats, Floats], rows: int, square: float) -> bool:
+    """Return whether a signal is as far from its reference at the end of so many rows after a step as before
+    that, both of shape (n,), by what a walk moves it by whose Allan variance is so many times its rows."""
+    before, after = about
+    apart = rows + 0.5 * (len(before) - len(after)) - (len(before) + len(after)) / 6.0
+    moved = abs(float(np.mean(after)) - float(np.mean(before)))
+    return moved < _RETURNS * math.sqrt(_OF_ALLAN * square * apart)
 
 
 def _about_one_slope(pieces: list[Floats]) -> list[Floats]:

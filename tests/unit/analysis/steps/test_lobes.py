@@ -108,3 +108,12 @@ def test_draws_that_do_not_enter_stay_without_a_place() -> None:
     )
     assert np.isnan(found[1][0])
     assert np.isfinite(found[1][1])
+
+
+def test_noise_that_grows_hides_no_lobe_that_is_higher_than_the_one_before() -> None:
+    away, standard = np.array([2.0, 1.0, 2.1, 3.0, 3.0, 0.0]), np.array([0.1, 0.1, 0.1, 2.0, 2.0, 2.0])
+    lobes = Lobes.of(away, standard, 0.5)
+    assert lobes.lobes == (Lobe(0, 0, 1), Lobe(1, 3, 6))
+    place, drawn = lobes.entries(4.5, np.full(3, 4.5), np.zeros((3, 6)), 1.5)
+    assert place == 4.5
+    np.testing.assert_array_equal(drawn, 4.5)

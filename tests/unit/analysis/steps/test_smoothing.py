@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from benchtool.analysis.steps.smoothing import Noise, fitted_smoothers
 
@@ -39,3 +40,17 @@ def test_a_mode_that_is_small_against_a_count_shortens_them() -> None:
     for noise in (OF_COUNTS, replace(OF_COUNTS, as_line=0.0)):
         smoother, _ = fitted_smoothers(counted(speed), noise)
         assert np.max(smoother.half[60:160]) <= 10
+
+
+def test_a_sum_without_what_goes_with_the_first_sample() -> None:
+    """By draws: what is left of the sum once the first sample tells of it what it can."""
+    decay = 0.9 ** np.arange(60)
+    weights = np.exp(-np.arange(80) / 20.0)
+    for offset in (0.0, 0.8):
+        noise = Noise(decay, offset)
+        drawn = noise.draw(np.random.default_rng(3), (20_000, 80))
+        sums, first = drawn @ weights, drawn[:, 0]
+        left = sums - first * float(first @ sums) / float(first @ first)
+        assert noise.of_sum_after_first(weights) == pytest.approx(float(np.std(left)), rel=0.03)
+        assert noise.of_sum_after_first(weights) < 0.9 * noise.of_sum(weights)
+    assert Noise(np.zeros(1)).of_sum_after_first(weights) == 0.0
