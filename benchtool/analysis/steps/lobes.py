@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 _SURE = 2.5  # standard deviations between a lobe and a trough beside it: noise alone hardly makes both
 _UPPER = 0.5  # of the way from the higher of both troughs to the top
 _DEGREE = 2
-_OF_BOTH = math.sqrt(2.0)  # times the noise of the curve: by which two records of one answer differ
+_OF_BOTH = 1.7  # times the noise of the curve: sqrt(2) of two records, 1.2 by which rows are the upper half
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def test_a_mode_that_is_small_against_a_count_shortens_them() -> None:
 
 def test_a_sum_without_what_goes_with_the_first_sample() -> None:
     """By draws: what is left of the sum once the first sample tells of it what it can."""
-    decay = 0.9 ** np.arange(60)
+    decay = np.exp(-0.1 * np.arange(60.0))
     weights = np.exp(-np.arange(80) / 20.0)
     for offset in (0.0, 0.8):
         noise = Noise(decay, offset)
