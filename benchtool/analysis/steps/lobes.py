@@ -2,8 +2,8 @@
 
 Where a lobe is about as high as a band is wide, the curve enters that finally before the lobe or behind it.
 Noise raises the greatest of a lobe, and a draw about the curve, which has the noise already, raises it twice.
-The height of a lobe is therefore that of the parabola through its upper half, of the curve as of a draw. Of
-what is either of two, the one that is not chosen is as likely as another record would show it.
+The height of a lobe is therefore that of the parabola through its upper half, of the curve as of a draw. The
+lobe that is not chosen is as likely as another record would show it.
 """
 
 from __future__ import annotations

@@ -385,8 +385,8 @@ STEP: Final = Analysis(
             ("settling_time",),
             "s",
             "until the curve stays within `max(2 % of height, 5 x its standard uncertainty)` of `final`; the "
-            "definition states the width. Of two lobes as high as that the likelier one is the last outside. Of a "
-            "pulse that is after its fall, and the time that the reference was held is included",
+            "definition states the width. Of two lobes as high as that the likelier one is the last outside. "
+            "Of a pulse that is after its fall, and the time that the reference was held is included",
         ),
         Quantity(
             ("overshoot",),
