@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.continuation import FEWEST
 from benchtool.analysis.phase.turned_angle import tells_its_turn, turned_by_angle
-from benchtool.analysis.phase.turned_phase import middles_of_periods, turned_by_tone
+from benchtool.analysis.phase.turned_phase import Turned, middles_of_periods, turned_by_tone
 from benchtool.analysis.phase.wander import Wander
 from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.statistics.repeatability import wander_of_difference
@@ -37,15 +36,20 @@ def frequency(
     reason: str,
     step: float = 0.0,
     beside_rad: float = 0.0,
+    within_periods: Callable[[float], Turned | None] = lambda _: None,
 ) -> Measurement:
     """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
     `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
-    over the record."""
+    over the record, and `within_periods` gives the phase of a signal that swings
+    within few of them, where means over periods are off it by more than a standard uncertainty, rad."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     if len(seen.phase_rad) < FEWEST and tells_its_turn(steady := replace(track, departure=None)):
         track = steady  # too few periods to tell the signal's own phase
     by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
-    if by_tone and track.measured_rad is not None:
+    is_told = not reason and len(seen.phase_rad) >= FEWEST
+    tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_told or by_tone else None
+    quick = within_periods(tone.standard) if tone is not None and is_told else None
+    if (by_tone or quick is not None) and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)
         text += f", of the signal; the angle alone gives {of_angle_Hz:.6g} Hz"
         basis = replace(basis, angle_Hz=of_angle_Hz)
@@ -55,12 +59,7 @@ def frequency(
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
-    of_tone = partial(turned_by_tone, spectrum, track, seen, step, beside_rad)
-    if by_tone:
-        turned = of_tone()
-    else:
-        is_told = not reason and len(seen.phase_rad) >= FEWEST
-        turned = turned_by_angle(track, seen, of_tone() if is_told else None)
+    turned = quick or (tone if by_tone and tone is not None else turned_by_angle(track, seen, tone))
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
     by_stamps = "" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase

@@ -52,9 +52,10 @@ class Prediction:
         return _foreseen(self.phase_rad, self.size, by)[1]
 
 
-def prediction(phase_rad: Floats, noise2: float) -> Prediction | None:
-    """Return the one that misses the next phase by the least, of phases, shape (n,); None of too few."""
-    sizes = [each for each in _SIZES if _is_told(len(phase_rad), each)]
+def prediction(phase_rad: Floats, noise2: float, sizes: tuple[int, ...] = _SIZES) -> Prediction | None:
+    """Return the one of these sizes that misses the next phase by the least, of phases, shape (n,); None of
+    too few."""
+    sizes = tuple(each for each in sizes if _is_told(len(phase_rad), each))
     found = [Prediction(phase_rad, each, _foreseen(phase_rad, each, 1.0)[1], noise2) for each in sizes]
     return min(found, key=lambda each: each.missed2, default=None)
 

@@ -18,6 +18,8 @@ _FEWEST_PERIODS = 4  # and so many phases, from which a wander is told from nois
 _FEWEST_ABOUT_A_LINE = 6  # amplitudes: of fewer a line takes along most of their noise
 _MEDIAN_DEVIATION = 0.6745  # median of the magnitude of a normal deviate
 _FAR = 8.0  # standard deviations; the largest step of a swing or of a drift is within two
+_OFTEN, _FEWEST_STEPS = 0.8, 20  # share of steps, and of how many: what a fifth of them do is no jump
+_OFTEN_DEVIATION = 1.2816  # what so many magnitudes of normal deviates are within
 _LEAST_JUMP_RAD = 0.03  # a reversal may by chance leave any phase, half of it in one step
 _STEADY, _SLOWEST = 2, 4  # terms of a steady rise, and of the courses beside it that are looked at
 _OF_NOISE = 0.35  # relative deviation of amplitudes, which of noise alone have Rayleigh's, 0.52
@@ -159,11 +161,16 @@ def _are_unrelated(phasor: NDArray[np.complex128]) -> bool:
 
 
 def _jump_rad(steps: NDArray[np.float64]) -> float:
-    """Return the largest step of the phase less the median step, if far beyond the scatter of the others."""
+    """Return the largest step of the phase less the median step, if far beyond the scatter of the others.
+
+    Of a load that swings once in a revolution of three periods one step of three is far from the others.
+    """
     if len(steps) + 1 < _FEWEST_PERIODS:
         return 0.0
     away = np.abs(steps - np.median(steps))
     largest, usual = float(np.max(away)), float(np.median(away)) / _MEDIAN_DEVIATION
+    if len(steps) >= _FEWEST_STEPS:
+        usual = max(usual, float(np.quantile(away, _OFTEN)) / _OFTEN_DEVIATION)
     return largest if largest > max(_LEAST_JUMP_RAD, _FAR * usual) else 0.0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -107,6 +108,7 @@ def current_spectrum(
         sound.of_ratios or (_BEATS if beats else ""),
         step,
         beside_rad,
+        partial(found.within_periods, block.sample_rate_Hz, channel),
     )
     amplitudes = fundamental_and_largest(found.spectrum, found.clean, errors, unit, channel, lines)
     ratios = (

@@ -14,11 +14,13 @@ from benchtool.analysis.coherent.spectrum import (
     CoherentSamples,
     CoherentSpectrum,
     coherent_samples,
+    harmonics,
     spectrum_of,
 )
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.phase.phase_following import follow
-from benchtool.analysis.phase.turned_phase import left_at_ends_rad
+from benchtool.analysis.phase.quick_swing import quick_swing
+from benchtool.analysis.phase.turned_phase import Turned, left_at_ends_rad
 from benchtool.analysis.phase.wander import Wander, wander
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines, moves_along
 from benchtool.analysis.spectra.distortions import Beside
@@ -42,6 +44,7 @@ Floats = NDArray[np.float64]
 _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
 _MORE = 2.0  # times the squares that are left along a phase that was followed
+_SYMMETRIC, _LIKE = 0.5, 0.3  # bins; a ratio of amplitudes: of sidebands of an amplitude and its phase
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -165,6 +168,28 @@ class Separation:
         if self.by_signal:
             return rest, self.close.turned_rad
         return rest, math.hypot(self.close.turned_rad, left_at_ends_rad(rest))
+
+    def within_periods(self, rate_Hz: float, channel: str, least_rad: float) -> Turned | None:
+        """Return the phase over the record of a fundamental that swings within few of its periods; None where
+        that is not told, or means over periods are off it by no more than `least_rad`, rms."""
+        if not (self.track.follows_signal or self._has_sidebands):
+            return None
+        track = replace(self.track, departure=None)
+        coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
+        swing = quick_swing(coherent, track, harmonics(self.clean))
+        return None if swing is None else swing.turned(track, least_rad)
+
+    @property
+    def _has_sidebands(self) -> bool:
+        """Whether two lines that were taken out are as far below the fundamental as above it, of like size,
+        and harmonics repeat what they do, or there is an angle: it swings, and no line is beside it."""
+        told = self.seen.excess_rad > 0.0 or self.track.measured_rad is not None
+        if self.others is None or not told:
+            return False
+        places, sizes = self.others.places / self.coherent.periods, np.abs(self.others.phasors)
+        is_pair = np.abs(np.add.outer(places, places) - 2.0) < _SYMMETRIC / self.coherent.periods
+        is_pair &= np.minimum.outer(sizes, sizes) > _LIKE * np.maximum.outer(sizes, sizes)
+        return bool(np.any(is_pair & (np.abs(places - 1.0) < 1.0)))
 
     def beside(self, groups: HarmonicGroups | None) -> Beside | None:
         """Return what is in `groups` besides the harmonics; None where that is nothing, or moves otherwise

@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 FEWEST_PERIODS = 3
 """Fewest periods whose scatter is used."""
 
+_FEWEST_REVOLUTIONS = 8
 _APART_IN_TIME = 1e-4  # of the record, by which periods are off even ones where they differ in length
 _ALIKE = 3.0  # standard deviations of a correlation
 _ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
@@ -51,6 +52,21 @@ class Periods:
     def turns(self) -> Floats:
         """Where the rows of all periods are, from 0 to their number, shape (n,)."""
         return np.asarray(np.interp(np.arange(self.rows[-1]), self.edges, np.arange(len(self) + 1.0)))
+
+    @cached_property
+    def revolutions(self) -> Periods | None:
+        """The whole revolutions that they make; None of few, or where each of them is one."""
+        each, marks = self.per_revolution, self.marks
+        whole = len(self) // each
+        if each == 1 or marks is None or whole < _FEWEST_REVOLUTIONS:
+            return None
+        numbers, behind = marks.numbers[: whole * each + 1 : each], len(self) - whole * each
+        as_far = None
+        if marks.as_far is not None:
+            stops = np.arange(0, whole * each, each) + behind
+            of_whole = marks.numbers[stops] - numbers[:-1] + marks.as_far[stops]
+            as_far = np.append(of_whole, marks.numbers[-1] - numbers[-1] + marks.as_far[-1])
+        return Periods(self.rows[: whole * each + 1 : each], "revolutions", 1, PeriodMarks(numbers, as_far))
 
     def told(self, series: Floats) -> Floats:
         """Return a series, shape (n,), without what is more than a period behind the last mark, where nothing
@@ -181,7 +197,12 @@ def mean_over_periods(
     of_mean = 1.0 if lines is None else lines.of_mean
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
     mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
-    return MeanOverPeriods(left, mean, error, lines, course)
+    found_over = MeanOverPeriods(left, mean, error, lines, course)
+    if lines is None or not lines.are_of_revolution or (turns := repeats.revolutions) is None:
+        return found_over
+    # the speed swings with such lines, and whole revolutions have the time of all that it does
+    over = mean_over_periods(series, turns, pooled=pooled, may_fall=may_fall, reference=reference)
+    return replace(found_over, mean=over.mean, error=over.error)
 
 
 @dataclass(frozen=True)

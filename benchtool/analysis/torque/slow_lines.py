@@ -43,6 +43,7 @@ class SlowLines:
 
     `untold` is the mean square over whole cycles that they may have more or less: that of lines that leave
     something beside them, as two within a part of a cycle do, and of the products of lines not far apart.
+    Orders of a revolution that stand out are among them if they `are_of_revolution`.
     """
 
     mean: float
@@ -51,6 +52,7 @@ class SlowLines:
     sine: Floats
     of_mean: float = 1.0
     untold: float = 0.0
+    are_of_revolution: bool = False
 
     @property
     def mean_square(self) -> float:
@@ -117,6 +119,7 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
         return None
     values, at, are_blocks = _aligned(samples, place, periods)
     cycles = _of_revolution(values, at, periods, per_revolution)
+    are_of_revolution = len(cycles) > 0
     for _ in range(_ROUNDS):
         _, rest = _fitted(values, at, cycles, periods)
         more = _beside(rest, periods, _MOST_LINES + per_revolution - len(cycles))
@@ -129,7 +132,7 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     if are_blocks:  # whose means make a line smaller
         kept = np.sinc(cycles / len(values))
         found = replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
-    return replace(found, untold=_untold(found, rest))
+    return replace(found, untold=_untold(found, rest), are_of_revolution=are_of_revolution)
 
 
 def _untold(found: SlowLines, rest: Floats) -> float:

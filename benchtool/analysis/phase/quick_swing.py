@@ -1,0 +1,118 @@
+"""The phase of a fundamental within its periods, where load or speed swing within few of them.
+
+The load of a compressor swings once in a revolution, of two to four periods, and amplitude and phase of its
+current do. A mean over a period has less of a swing of f cycles in a period, sinc(f) of it, and beside it its
+image at the negative frequency: f / (f - 2) of the conjugate, which makes a phase of what the amplitude does.
+Both are known, and are taken back for swings of up to `_FASTEST` cycles in a period, by weights of means half
+a period apart, by least squares.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchtool.analysis.coherent.spectrum import FIRST_ROW, CoherentSamples
+from benchtool.analysis.periods import PhaseTrack
+from benchtool.analysis.phase.predicted_phase import prediction
+from benchtool.analysis.phase.turned_phase import Turned
+from benchtool.analysis.uncertainty import Contribution
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_FASTEST = 0.8  # cycles in a period
+_TAPS = 8  # halves of a period, to either side
+_FREQUENCIES = 401
+_SIZES = (10, 14, 20, 28)  # phases that foresee the next: two revolutions of seven periods
+_IS_NO_NOISE = 9.0  # times the mean square by which the next phase is missed
+_OF_WEIGHTS = 1.5  # of a harmonic, in means of which the swing is taken back
+_HIGHEST = 25
+
+
+@dataclass(frozen=True)
+class QuickSwing:
+    """The phasor of a fundamental against a track, and its means over periods, at `rows` half a period apart,
+    all of shape (n,); `harmonics` are the amplitudes from the first on, shape (orders,)."""
+
+    rows: Floats
+    phasor: Complex
+    mean: Complex
+    harmonics: Floats
+
+    def turned(self, track: PhaseTrack, least_rad: float) -> Turned | None:
+        """Return the phase from the first to the last row of the track; None where means over periods are off
+        the phase within them by no more than `least_rad`, rms, or by what is noise, or a swing is not told.
+        """
+        off2 = float(np.var(np.angle(self.phasor * np.conj(self.mean))))
+        if not off2 > least_rad**2:
+            return None
+        phase_rad = np.unwrap(np.angle(self.phasor))
+        going_on = prediction(phase_rad, 0.0, _SIZES)
+        if going_on is None or not off2 > _IS_NO_NOISE * going_on.missed2:
+            return None
+        rows, last = self.rows, track.samples - 1.0
+        before, after = rows[0] / (rows[1] - rows[0]), (last - rows[-1]) / (rows[-1] - rows[-2])
+        own_rad = float(going_on.weights(after) @ phase_rad[-going_on.size :])
+        own_rad -= float(going_on.weights(before) @ phase_rad[::-1][-going_on.size :])
+        ends = track.at(np.array([0.0, last]))
+        foreseen = math.sqrt(going_on.error2(before) + going_on.error2(after))
+        source = "phase within periods, and its continuation to both ends"
+        budget = (
+            Contribution(source, "A", foreseen, len(phase_rad) / 2.0),
+            Contribution("harmonics that swing with it", "B", self._of_harmonics(phase_rad)),
+        )
+        return Turned(float(ends[1] - ends[0]) + own_rad, budget, source)
+
+    def _of_harmonics(self, phase_rad: Floats) -> float:
+        """Return what harmonics that swing with the fundamental leave in the difference of two phases, rad:
+        of harmonic k, which swings k times as far, a mean over a period keeps up to 1 / (pi (k - 1))."""
+        order = np.arange(2, min(_HIGHEST, len(self.harmonics)) + 1)
+        size = np.abs(self.phasor) / float(np.mean(np.abs(self.phasor)))
+        swing = np.std(size[:, np.newaxis] * np.exp(1j * np.outer(phase_rad, order)), axis=0)
+        left = self.harmonics[order - 1] / self.harmonics[0] * swing / (np.pi * (order - 1.0))
+        return _OF_WEIGHTS * float(np.linalg.norm(left))
+
+
+def quick_swing(coherent: CoherentSamples, track: PhaseTrack, harmonics: Floats) -> QuickSwing | None:
+    """Return how the fundamental swings within its periods about a track without a departure, of amplitudes
+    of `harmonics` from the first on, shape (orders,); None of too few periods, or of none."""
+    size, count = coherent.per_period, len(coherent.values)
+    if coherent.periods <= _TAPS + 1 or not harmonics[0] > 0.0:
+        return None
+    turned = 2.0 * np.pi / size * np.arange(count)
+    sums = np.concatenate([[0.0], np.cumsum(coherent.values * np.exp(-1j * turned))])
+    means = (sums[size:] - sums[:-size]) * (2.0 / size)
+    begin = 0.5 * size * np.arange(2 * coherent.periods - 1)
+    numbers = np.arange(len(means), dtype=np.float64)
+    halves = np.interp(begin, numbers, means.real) + 1j * np.interp(begin, numbers, means.imag)
+    middle_rad = 2.0 * np.pi / size * (begin + 0.5 * (size - 1.0))
+    own, image = _weights()
+    inner = slice(_TAPS, -_TAPS)
+    phasor = np.convolve(halves, own, "valid")
+    phasor += np.exp(-2j * middle_rad[inner]) * np.convolve(np.conj(halves), image, "valid")
+    first_rad = float(track.at(np.array([float(FIRST_ROW)]))[0])
+    rows = track.sample_numbers(first_rad + middle_rad[inner])
+    return QuickSwing(rows, phasor, halves[inner], harmonics)
+
+
+@lru_cache(maxsize=1)
+def _weights() -> tuple[Complex, Complex]:
+    """Return the weights of means half a period apart, and of their conjugates, in the phasor in the middle,
+    both of shape (2 `_TAPS` + 1,).
+
+    Of means H (z + q(f) z*), H = sinc(f) and q = f / (f - 2), z is (means - q(f) means*) / H / (1 - q(f)
+    q(-f)).
+    """
+    cycles = np.linspace(-_FASTEST, _FASTEST, _FREQUENCIES)
+    places = 0.5 * np.arange(-_TAPS, _TAPS + 1)
+    basis = np.exp(-2j * np.pi * np.outer(cycles, places))
+    image = cycles / (cycles - 2.0)
+    own = 1.0 / (np.sinc(cycles) * (1.0 - image * image[::-1]))
+    sought = np.stack([own, -image * own], axis=1).astype(np.complex128)
+    found = np.linalg.lstsq(basis, sought, rcond=1e-9)[0]
+    return np.asarray(found[:, 0]), np.asarray(found[:, 1])
