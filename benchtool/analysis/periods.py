@@ -340,6 +340,10 @@ def _require_steady(samples: NDArray[np.float64], omega: float, whole: float, na
     # of a fit with a Hann window squared, whose noise bandwidth is 35/18 of a bin; frequency: Cramér-Rao
     of_amplitude = rest * math.sqrt(2 * 35 / 18 / count)
     of_frequency = math.sqrt(24 * 35 / 18 / count) * rest / (middle * count)
+    if not float(np.ptp(amplitude)) / middle <= _LARGEST_CHANGE + _CLEARLY * math.sqrt(2.0) * (
+        of_amplitude / middle
+    ):
+        _require_steady_parts(deviation, name)
     # of a steady rise the parts' means span less than its ends do
     rise = parts / (parts - 1)
     for what, change, standard in (
@@ -351,6 +355,18 @@ def _require_steady(samples: NDArray[np.float64], omega: float, whole: float, na
                 f"the {what} of the largest sinusoid of '{name}' changes by {100 * change:.0f} % within the "
                 f"window, at most {100 * _LARGEST_CHANGE:.0f} % is allowed: choose a window in steady state"
             )
+
+
+def _require_steady_parts(deviation: NDArray[np.float64], name: str) -> None:
+    """Refuse a tone of which a sinusoid has less in one part of the record than in others, where each part
+    has the same rms `deviation`, shape (parts,): it turns slower or faster within that, as in a start."""
+    change = float(np.ptp(deviation)) / float(np.mean(deviation))
+    if change <= _LARGEST_CHANGE:
+        raise AnalysisError(
+            f"the frequency of the largest sinusoid of '{name}' changes within parts of the window, of which "
+            f"each has the same rms within {100 * change:.2g} %: the machine starts, stops or changes its "
+            f"speed; choose a window in steady state"
+        )
 
 
 def _sine_fit_step(

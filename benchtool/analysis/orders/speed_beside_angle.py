@@ -55,12 +55,14 @@ def speed_beside_angle(
     times_s = np.arange(len(omega_m)) / times if isinstance(times, float) else times
     if not np.all(np.diff(times_s) > 0.0):
         return None
-    found = _beside(omega_m, times_s, rows, angle_rad, channel)
+    found = _beside(omega_m, times_s, rows, angle_rad, channel, has_direction=theta_m is not None)
     own = error_of_record(omega_m).standard
     return found if found.error.standard < (own if math.isfinite(own) else math.inf) else None
 
 
-def _beside(omega_m: Floats, times_s: Floats, rows: slice, angle_rad: Floats, channel: str) -> MeanBeside:
+def _beside(
+    omega_m: Floats, times_s: Floats, rows: slice, angle_rad: Floats, channel: str, *, has_direction: bool
+) -> MeanBeside:
     """Return the mean of a speed, rad/s, at rising times, both of shape (n,), beside an angle of some of its
     rows without jumps.
 
@@ -68,13 +70,17 @@ def _beside(omega_m: Floats, times_s: Floats, rows: slice, angle_rad: Floats, ch
     the first row to the last. What the speed reads beside the differences of the angle has the errors of
     both: those of the angle, and of the times, are taken back by the next difference, and leave the mean
     those at the ends. In a gap, where nothing was read, the rotor turned as the angle says, by as many whole
-    turns more as the speed does.
+    turns more as the speed does. The phase of one current rises whichever way the rotor turns, and has the
+    direction of the speed.
     """
     between, shared_s = None, times_s[rows]
     steps_s, duration_s = np.diff(shared_s), float(shared_s[-1] - shared_s[0])
     turned = 0.5 * (omega_m[rows][1:] + omega_m[rows][:-1]) * steps_s
     advance = np.diff(angle_rad)
-    advance *= math.copysign(1.0, float(np.sum(turned)) * float(np.sum(advance)))
+    if has_direction:
+        advance *= math.copysign(1.0, float(np.sum(turned)) * float(np.sum(advance)))
+    else:
+        advance = np.copysign(advance, turned)
     is_gap = steps_s > _GAP * float(np.median(steps_s))
     advance[is_gap] += TURN * np.round((turned - advance)[is_gap] / TURN)
     beside = (turned - advance) * len(steps_s) / duration_s

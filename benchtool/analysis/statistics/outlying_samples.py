@@ -135,9 +135,14 @@ def _hit(samples: Floats, apart: Floats, least: float) -> NDArray[np.bool_]:
 def converter_step(samples: Floats) -> float:
     """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured.
 
-    Of an answer that is over in few rows few levels are seen, apart by different numbers of steps.
+    Of an answer that is over in few rows few levels are seen, apart by different numbers of steps. Values
+    that are read once among others that nearly all samples have are on no step, as the first of a speed that
+    is counted from row to row, which has none before it.
     """
-    values = np.unique(samples)
+    values, place, reads = np.unique(samples, return_inverse=True, return_counts=True)
+    is_level = reads > 1
+    if np.sum(reads[is_level]) > (1.0 - RARE) * len(samples):
+        samples, values = samples[is_level[place]], values[is_level]
     counted = counting_step(samples) if len(values) >= _FEWEST_LEVELS else 0.0
     return counted or step_between(values, _FEWEST_LEVELS)
 
