@@ -21,6 +21,7 @@ _FEWEST_KNOTS = 5  # of a spline
 _PER_PERIOD, _FINEST = 16, 128  # places at which an angle is followed, in each electrical period
 _ROWS_OF_PART, _STEPS_OF_PART = 8, 16  # at least, between two of more places than the fewest
 _NOISE_OF_PART_RAD = 0.1 * OFF_RAD
+_OFF_WITHIN_RAD = 0.1 * OFF_RAD  # rms, within periods: sidebands of a fundamental are on small harmonics
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
 _HIGHEST_COMPARED = 25
 _DECIDED = 3.0  # standard deviations of a share of one or of none
@@ -52,19 +53,19 @@ def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
     What is left within a period may be the steps in which the angle counts, which beat with the samples near
     harmonics: where it is no more than these, the angle is only averaged over whole periods.
     """
-    if track.measured_rad is None or not (track.residual_rad or 0.0) > OFF_RAD:
+    if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_WITHIN_RAD:
         return AngleTracks()
     per_period = _places_per_period(track, track.measured_rad, samples_per_period)
     number, departure = _means(track, track.measured_rad, max(1, round(samples_per_period / per_period)))
     whole_number, whole = _means(track, track.measured_rad, max(1, round(samples_per_period)))
-    of_periods = _departing(track, whole_number, whole)
+    of_periods = _departing(track, whole_number, whole, OFF_RAD)
     if len(whole) < _FEWEST_KNOTS:
-        return AngleTracks(None, _departing(track, number, departure))
+        return AngleTracks(None, _departing(track, number, departure, OFF_RAD))
     inner = (number >= whole_number[0]) & (number <= whole_number[-1])
     within_rad = float(np.std(departure[inner] - np.interp(number[inner], whole_number, whole)))
     if within_rad < _OF_STEPS * track.resolution_rad:
         return AngleTracks(of_periods)
-    return AngleTracks(of_periods, _departing(track, number, departure), within_rad)
+    return AngleTracks(of_periods, _departing(track, number, departure, _OFF_WITHIN_RAD), within_rad)
 
 
 def _places_per_period(track: PhaseTrack, measured_rad: NDArray[np.float64], samples_per_period: float) -> int:
@@ -113,11 +114,11 @@ def within_periods(without: NDArray[np.complex128], along: NDArray[np.complex128
 
 
 def _departing(
-    track: PhaseTrack, number: NDArray[np.float64], departure: NDArray[np.float64]
+    track: PhaseTrack, number: NDArray[np.float64], departure: NDArray[np.float64], least_rad: float
 ) -> PhaseTrack | None:
     """Return the track and a spline through its departures at sample numbers, both of shape (parts,); None
-    where these are few or small."""
-    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > OFF_RAD:
+    where these are few, or no more than `least_rad`, rms."""
+    if len(number) < _FEWEST_KNOTS or not float(np.std(departure)) > least_rad:
         return None
     from scipy.interpolate import CubicSpline  # draws in scipy.optimize, which most runs do not need
 
