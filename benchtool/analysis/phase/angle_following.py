@@ -68,7 +68,9 @@ def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
     return AngleTracks(of_periods, _departing(track, number, departure, _OFF_WITHIN_RAD), within_rad)
 
 
-def _places_per_period(track: PhaseTrack, measured_rad: NDArray[np.float64], samples_per_period: float) -> int:
+def _places_per_period(
+    track: PhaseTrack, measured_rad: NDArray[np.float64], samples_per_period: float
+) -> int:
     """Return at how many places in a period the angle is followed: as many as its noise and steps allow.
 
     A mean over a sixteenth of a period has a fifth less of what a rotor does six times in one, as cogging.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import FIRST_ROW, CoherentSpectrum, rows_of
+from benchtool.analysis.lines.course import repeated_in_turns
 from benchtool.analysis.noise.converter_lines import aliased_quantisation
 from benchtool.analysis.noise.noise_of_lines import hann_quadrature, line_noise
 from benchtool.analysis.periods import PhaseTrack
@@ -137,7 +138,9 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
-    phase_rad = track.at(marks) + seen.phase_rad
+    alike_rad = _within_periods(track)
+    rows = np.arange(track.samples, dtype=np.float64)
+    phase_rad = track.at(marks) + seen.phase_rad - np.interp(marks, rows, alike_rad)
     middle = float(np.mean(seen.amplitude))
     going_on = continuation(phase_rad, seen.amplitude / middle if middle > 0.0 else None)
     if track.follows_signal:
@@ -151,15 +154,27 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     of_phases2 = 2.0 * (left2 + within_rad**2)
     noise2 = max(going_on.noise2, seen.noise_rad**2)
     settling = settling_phase(phase_rad, noise2, are_means=track.departure is None)
+    of_angle_rad = float(alike_rad[-1] - alike_rad[0])
     if settling is not None:  # it bends most where a polynomial begins
         turned_rad, error2 = settling.turned(before, after)
-        return turned_rad, math.sqrt(of_phases2 + error2)
+        return turned_rad + of_angle_rad, math.sqrt(of_phases2 + error2)
     ends_rad = [
         float(going_on.weights(by) @ phases[-going_on.size :])
         for by, phases in ((before, phase_rad[::-1]), (after, phase_rad))
     ]
     error2 = going_on.error2(before) + going_on.error2(after)
-    return ends_rad[1] - ends_rad[0], math.sqrt(of_phases2 + error2)
+    return ends_rad[1] - ends_rad[0] + of_angle_rad, math.sqrt(of_phases2 + error2)
+
+
+def _within_periods(track: PhaseTrack) -> NDArray[np.float64]:
+    """Return what a track that follows an angle does in every period alike, shape (samples,): phases of
+    periods show nothing of it, and no continuation of them has it."""
+    if track.measured_rad is None or track.departure is None:
+        return np.zeros(track.samples)
+    rows = np.arange(track.samples, dtype=np.float64)
+    smooth_rad = np.asarray(track.phase(rows))
+    turns = (smooth_rad - smooth_rad[0]) / (2.0 * math.pi)
+    return repeated_in_turns(track.departure(rows), turns).values
 
 
 def middles_of_periods(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.periods import PhaseTrack, track_angle, track_tone
 from benchtool.errors import AnalysisError
 
 
@@ -35,3 +35,13 @@ def test_an_angle_that_stands_still_is_told_as_such(stands: slice) -> None:
         AnalysisError, match=r"^'theta_m': \d+ samples in a row .* stood still, or the rotor did"
     ):
         track_angle(theta_m, 4)
+
+
+def test_a_start_of_constant_amplitude_is_no_amplitude_that_changes() -> None:
+    time_s = np.arange(10_000) / 5e3
+    turned = 40.0 * (time_s + 0.2 * np.expm1(-time_s / 0.2))
+    current = 5.0 * np.cos(2.0 * np.pi * turned)
+    with pytest.raises(AnalysisError, match=r"^the frequency of .* the machine starts, stops or changes"):
+        track_tone(current)
+    with pytest.raises(AnalysisError, match=r"^the amplitude of"):
+        track_tone((1.0 + 0.3 * time_s) * np.cos(2.0 * np.pi * 40.0 * time_s))

@@ -200,6 +200,18 @@ def test_of_a_speed_beside_a_current_its_slow_course_is_no_error() -> None:
     assert np.sqrt(np.mean(np.square(errors))) < 1.2
 
 
+def test_a_current_has_the_direction_of_a_speed_that_reverses() -> None:
+    """Its phase rises whichever way the rotor turns: the error was that of a speed of the other sign."""
+    rate_Hz = 5e3
+    speed = 60.0 * np.clip(1.0 - (np.arange(10_000) / rate_Hz - 0.5) / 0.4, -1.0, 1.0)
+    i_a = 5.0 * np.cos(4.0 * np.cumsum(speed) / rate_Hz)
+    omega_m = speed + 0.02 * np.random.default_rng(12).standard_normal(len(speed))
+    found = speed_beside_angle(omega_m, rate_Hz, i_a=i_a, pole_pairs=4)
+    assert found is not None
+    assert found.error.standard < 1.0
+    assert abs(found.value - np.mean(speed)) < 3.0 * found.error.standard
+
+
 def test_an_angle_that_does_not_turn_with_the_speed_tells_nothing_of_it() -> None:
     random, rate_Hz, count = np.random.default_rng(9), 1e3, 500
     omega_m = 50.0 + 0.05 * random.standard_normal(count)

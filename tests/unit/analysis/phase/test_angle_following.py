@@ -102,3 +102,14 @@ def test_high_orders_tell_whose_course_an_angle_has_where_the_lowest_are_noise(*
             current += 0.03 * np.cos(order * phase + random.uniform(0.0, 2.0 * np.pi))
         _, track, _ = follow(current, 10_000.0, track_angle((steady + wandering) / 4.0, 4))
         assert (track.departure is not None) is is_of_rotor
+
+
+@pytest.mark.parametrize("swing_rad", [0.007, 0.0007])
+def test_cogging_six_times_in_a_period_is_followed_to_its_size(swing_rad: float) -> None:
+    """Means over a sixteenth of a period have a fifth less of it, and sidebands are left on harmonics 5 and
+    7; below two milliradians it was not followed at all."""
+    steady = 2.0 * np.pi * 4.1 * T + 0.7
+    angle = steady + swing_rad * np.sin(6.0 * steady + 0.3)
+    counted = np.floor(angle / (2.0 * np.pi / 4096)) * (2.0 * np.pi / 4096)
+    found, _ = amplitudes(current_of(angle), counted)
+    assert found[[1, 5, 7]] == pytest.approx([1.0, 0.04, 0.0], abs=1e-4)

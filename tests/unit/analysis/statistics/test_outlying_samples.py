@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.statistics.outlying_samples import without_clicks
+from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.step_shape import Step, find_step
 from benchtool.block import Block
 
@@ -82,3 +82,14 @@ def test_the_first_sample_of_a_slope_is_no_click_and_one_that_is_far_off_it_is()
             samples = clear.copy()
             samples[row] += 1.0
             assert without_clicks(samples)[0][row] == pytest.approx(clear[row], abs=0.4)
+
+
+def test_counts_are_no_clicks_where_the_first_row_has_none() -> None:
+    """A speed counted from row to row begins with a value of another kind, a third of a count off."""
+    random, step = np.random.default_rng(8), 0.375
+    speed = 30.0 + 40.0 / (1.0 + np.exp(-(np.arange(4000.0) - 1200.0) / 100.0))
+    counts = np.floor(np.cumsum(speed) / step + random.random())
+    samples = step * np.diff(counts, prepend=0.0)
+    samples[0] = samples[1] + step / 3.0
+    assert converter_step(samples) == pytest.approx(step)
+    assert without_clicks(samples)[1] == 0

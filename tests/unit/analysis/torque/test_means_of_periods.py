@@ -234,3 +234,21 @@ def test_the_mean_of_a_torque_moves_with_the_slow_noise_of_its_reference() -> No
         assert untold == without.error
     assert len(repeats) == periods
     assert np.median(np.array(known) / np.array(alone)) > 1.5
+
+
+def test_whole_revolutions_have_the_time_of_what_the_speed_does_in_them() -> None:
+    """The speed swings with the load, so that a sinusoid over the angle has a mean over time."""
+    random, ratios = np.random.default_rng(21), []
+    for _ in range(8):
+        steady = 2.0 * np.pi * (random.uniform(17.0, 25.0) * np.arange(10_000) / RATE_HZ + random.uniform())
+        late, theta = random.uniform(0.0, 2.0 * np.pi), steady.copy()
+        for _ in range(30):
+            theta = steady - 0.05 * np.sin(theta + late)
+        series = 2.0 + 0.8 * np.cos(theta) + 0.01 * random.standard_normal(len(theta))
+        marks = PeriodMarks.of_angle(theta, 2.0 * np.pi / 3.0)
+        assert marks is not None
+        repeats = Periods(np.ceil(marks.numbers - 1e-6).astype(np.int64), "periods", 3, marks)
+        found = mean_over_periods(series, repeats)
+        # of time a revolution has 1 + 0.05 cos(theta + late) at theta
+        ratios.append((found.mean - 2.0 - 0.8 * 0.5 * 0.05 * math.cos(late)) / found.error.standard)
+    assert math.sqrt(float(np.mean(np.square(ratios)))) < 1.4

@@ -1,0 +1,78 @@
+"""Swings of load and speed within few periods: the phase within these, and the frequency of the record."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis.coherent.spectrum import coherent_samples
+from benchtool.analysis.periods import track_tone
+from benchtool.analysis.phase.quick_swing import quick_swing
+from benchtool.block import Block
+
+Floats = NDArray[np.float64]
+RATE_HZ, COUNT = 10_000.0, 10_000
+ALONE = np.array([1.0])
+
+
+def compressor(random: np.random.Generator, harmonics: float = 0.04) -> tuple[Floats, Floats, Floats]:
+    """Return a current, the rotor angle and the phase of the current, that of a load once in a revolution of
+    three periods."""
+    theta = 2.0 * np.pi * random.uniform(17.0, 25.0) * np.arange(COUNT) / RATE_HZ + random.uniform(0.0, 6.0)
+    theta += 0.01 * np.sin(theta + random.uniform(0.0, 6.0))
+    phase_rad = 3.0 * theta + 0.08 * np.cos(theta + random.uniform(0.0, 6.0))
+    size = 1.0 + 0.3 * np.cos(theta + random.uniform(0.0, 6.0))
+    current = size * (np.cos(phase_rad) + harmonics * np.cos(5.0 * phase_rad + 1.0))
+    return current + 2e-3 * random.standard_normal(COUNT), theta, phase_rad
+
+
+def test_an_amplitude_that_swings_makes_no_phase_and_takes_none_away() -> None:
+    current, _, phase_rad = compressor(np.random.default_rng(1), harmonics=0.0)
+    track = track_tone(current)
+    swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE)
+    assert swing is not None
+    sought_rad = np.interp(swing.rows, np.arange(COUNT), phase_rad) - track.at(swing.rows)
+    off_rad, off_means_rad = (
+        np.std(np.unwrap(np.angle(each)) - sought_rad) for each in (swing.phasor, swing.mean)
+    )
+    assert off_rad < 1.5e-3
+    assert off_means_rad > 10.0 * off_rad
+
+
+def test_what_noise_does_is_no_swing() -> None:
+    random = np.random.default_rng(2)
+    current = np.cos(2.0 * np.pi * 61.3 / RATE_HZ * np.arange(COUNT)) + 0.05 * random.standard_normal(COUNT)
+    track = track_tone(current)
+    swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE)
+    assert swing is not None
+    assert swing.turned(track, 0.0) is None
+
+
+def test_few_periods_tell_no_swing() -> None:
+    current = np.cos(2.0 * np.pi * 61.3 / RATE_HZ * np.arange(1300))
+    track = track_tone(current)
+    assert quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE) is None
+
+
+@pytest.mark.parametrize("has_angle", [True, False])
+def test_the_frequency_is_that_of_the_phase_at_both_ends(*, has_angle: bool) -> None:
+    """By means over periods it was off by up to 60 mrad, or the phase was said to jump."""
+    random, errors, stated_rad = np.random.default_rng(3), [], []
+    for _ in range(3):
+        current, theta, phase_rad = compressor(random)
+        step_rad = 2.0 * np.pi / 4096
+        angle = np.mod(np.floor(theta / step_rad) * step_rad, 2.0 * np.pi)
+        track = track_angle(angle, 3) if has_angle else track_tone(current)
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track).measurements[0]
+        assert found.uncertainty is not None
+        to_rad = 2.0 * math.pi * (COUNT - 1) / RATE_HZ
+        truth_rad = float(phase_rad[-1] - phase_rad[0])
+        errors.append((to_rad * found.value - truth_rad) / (to_rad * found.uncertainty.standard))
+        stated_rad.append(to_rad * found.uncertainty.standard)
+    assert math.sqrt(float(np.mean(np.square(errors)))) < 1.6
+    assert np.median(stated_rad) < 8e-3
