@@ -32,6 +32,7 @@ _SIZES = (10, 14, 20, 28)  # phases that foresee the next: two revolutions of se
 _IS_NO_NOISE = 9.0  # times the mean square by which the next phase is missed
 _OF_WEIGHTS = 1.5  # of a harmonic, in means of which the swing is taken back
 _HIGHEST = 25
+_SLOWLY, _OFF_TRACK = 24, 0.01  # halves of a period; cycles in a period, by which harmonics leave their zeros
 
 
 @dataclass(frozen=True)
@@ -46,12 +47,14 @@ class QuickSwing:
 
     def turned(self, track: PhaseTrack, least_rad: float) -> Turned | None:
         """Return the phase from the first to the last row of the track; None where means over periods are off
-        the phase within them by no more than `least_rad`, rms, or by what is noise, or a swing is not told.
+        the phase within them by no more than `least_rad`, rms, or by what is noise, a swing is not told, or the frequency itself leaves that of the track.
         """
         off2 = float(np.var(np.angle(self.phasor * np.conj(self.mean))))
         if not off2 > least_rad**2:
             return None
         phase_rad = np.unwrap(np.angle(self.phasor))
+        if not _keeps_to_track(phase_rad):
+            return None
         going_on = prediction(phase_rad, 0.0, _SIZES)
         if going_on is None or not off2 > _IS_NO_NOISE * going_on.missed2:
             return None
@@ -98,6 +101,15 @@ def quick_swing(coherent: CoherentSamples, track: PhaseTrack, harmonics: Floats)
     first_rad = float(track.at(np.array([float(FIRST_ROW)]))[0])
     rows = track.sample_numbers(first_rad + middle_rad[inner])
     return QuickSwing(rows, phasor, halves[inner], harmonics)
+
+
+def _keeps_to_track(phase_rad: Floats) -> bool:
+    """Return whether phases half a period apart, shape (n,), rise or fall slowly beside their swing."""
+    if len(phase_rad) <= _SLOWLY:
+        return False
+    window = np.hanning(_SLOWLY + 2)[1:-1]
+    course_rad = np.convolve(phase_rad, window / np.sum(window), "valid")
+    return bool(np.max(np.abs(np.diff(course_rad))) < np.pi * _OFF_TRACK)
 
 
 @lru_cache(maxsize=1)
