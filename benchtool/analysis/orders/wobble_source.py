@@ -74,8 +74,13 @@ def source_of_wobble(
         np.array([abs(np.exp(-1j * order * along[whole]) @ weighted) for order in orders])
         for along in (phase_rad, track.measured_rad)
     )
-    off_rad = float(np.std(track.measured_rad[whole] - phase_rad[whole]))
-    expected = np.maximum(smooth, measured) * -np.expm1(-0.5 * (orders * off_rad) ** 2)
+    deviation_rad = track.measured_rad[whole] - phase_rad[whole]
+    off_rad = float(np.std(deviation_rad))
+    # what is left of an order depends on the course of the wobble where that is no small part of a period
+    left = np.array(
+        [abs(np.average(np.exp(1j * order * deviation_rad), weights=weights)) for order in orders]
+    )
+    expected = np.maximum(smooth, measured) * (1.0 - left)
     more = measured - smooth
     own = np.abs(more) < _MOST * expected  # and not what the wobble makes of another order
     if not np.any(own):

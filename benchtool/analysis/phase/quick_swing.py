@@ -47,7 +47,8 @@ class QuickSwing:
 
     def turned(self, track: PhaseTrack, least_rad: float) -> Turned | None:
         """Return the phase from the first to the last row of the track; None where means over periods are off
-        the phase within them by no more than `least_rad`, rms, or by what is noise, a swing is not told, or the frequency itself leaves that of the track.
+        the phase within them by no more than `least_rad`, rms, or by what is noise, where a swing is not
+        told, or where the frequency itself leaves that of the track.
         """
         off2 = float(np.var(np.angle(self.phasor * np.conj(self.mean))))
         if not off2 > least_rad**2:

@@ -249,8 +249,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             "where that is clearly less, "
             "and the converter's steps that fold to beside the line; of a phase that was followed, and of an "
             "angle of less than a revolution, or that swings within less than two, the noise at both ends of "
-            "the signal's own phase; of fewer than five periods the course of that angle and its slope, none "
-            "within a revolution",
+            "the signal's own phase, of a load that swings within few periods that within periods, and what "
+            "harmonics that swing with it leave there; of fewer than five periods the course of that angle "
+            "and its slope, none within a revolution",
         ),
         Quantity(
             ("current_fundamental",),

@@ -124,7 +124,8 @@ _NUMBERS: Final = (
         "Nm",
         "mean(x) over time, less what the incomplete last period makes of it, by as much of each whole one, "
         "or of the whole periods alone behind which no phase is told, moved along their course, and less "
-        "incomplete cycles of sinusoids slower than a period",
+        "incomplete cycles of sinusoids slower than a period; of eight revolutions or more whose orders "
+        "stand out likewise over these",
         "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much, of few "
