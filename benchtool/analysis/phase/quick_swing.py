@@ -100,7 +100,7 @@ def quick_swing(coherent: CoherentSamples, track: PhaseTrack, harmonics: Floats)
     phasor = np.convolve(halves, own, "valid")
     phasor += np.exp(-2j * middle_rad[inner]) * np.convolve(np.conj(halves), image, "valid")
     first_rad = float(track.at(np.array([float(FIRST_ROW)]))[0])
-    rows = track.sample_numbers(first_rad + middle_rad[inner])
+    rows = track.sample_numbers(np.asarray(first_rad + middle_rad[inner], dtype=np.float64))
     return QuickSwing(rows, phasor, halves[inner], harmonics)
 
 

@@ -45,6 +45,7 @@ _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
 _MORE = 2.0  # times the squares that are left along a phase that was followed
 _SYMMETRIC, _LIKE = 0.5, 0.3  # bins; a ratio of amplitudes: of sidebands of an amplitude and its phase
+_OF_LINE_ALONE = 2.0  # times a line, by which it may put a phase off
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -172,24 +173,30 @@ class Separation:
     def within_periods(self, rate_Hz: float, channel: str, least_rad: float) -> Turned | None:
         """Return the phase over the record of a fundamental that swings within few of its periods; None where
         that is not told, or means over periods are off it by no more than `least_rad`, rms."""
-        if not (self.track.follows_signal or self._has_sidebands):
+        has_pair, alone = self._around_fundamental
+        # which harmonics repeat, or there is an angle beside: it swings, and no lines are beside it
+        is_told = self.seen.excess_rad > 0.0 or self.track.measured_rad is not None
+        if not (self.track.follows_signal or (has_pair and is_told)):
             return None
         track = replace(self.track, departure=None)
         coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
         swing = quick_swing(coherent, track, harmonics(self.clean))
-        return None if swing is None else swing.turned(track, least_rad)
+        return None if swing is None else swing.turned(track, max(least_rad, _OF_LINE_ALONE * alone))
 
     @property
-    def _has_sidebands(self) -> bool:
-        """Whether two lines that were taken out are as far below the fundamental as above it, of like size,
-        and harmonics repeat what they do, or there is an angle: it swings, and no line is beside it."""
-        told = self.seen.excess_rad > 0.0 or self.track.measured_rad is not None
-        if self.others is None or not told:
-            return False
-        places, sizes = self.others.places / self.coherent.periods, np.abs(self.others.phasors)
-        is_pair = np.abs(np.add.outer(places, places) - 2.0) < _SYMMETRIC / self.coherent.periods
+    def _around_fundamental(self) -> tuple[bool, float]:
+        """Whether of the lines that were taken out two are as far below the fundamental as above it, of like
+        size, as sidebands are, and the largest of those without such a counterpart, relative to it."""
+        if self.others is None:
+            return False, 0.0
+        steady, moving = self.others.phasors, self.others.moving
+        cycles = np.array([*self.others.places, *(each.by_turns + each.by_time for each in moving)])
+        sizes = np.abs(np.array([*steady, *(each.phasor for each in moving)])) / self.clean.fundamental
+        apart = cycles / self.coherent.periods - 1.0
+        is_pair = np.abs(np.add.outer(apart, apart)) < _SYMMETRIC / self.coherent.periods
         is_pair &= np.minimum.outer(sizes, sizes) > _LIKE * np.maximum.outer(sizes, sizes)
-        return bool(np.any(is_pair & (np.abs(places - 1.0) < 1.0)))
+        is_near, is_paired = np.abs(apart) < 1.0, np.any(is_pair, axis=1)
+        return bool(np.any(is_near & is_paired)), float(np.max(sizes[is_near & ~is_paired], initial=0.0))
 
     def beside(self, groups: HarmonicGroups | None) -> Beside | None:
         """Return what is in `groups` besides the harmonics; None where that is nothing, or moves otherwise

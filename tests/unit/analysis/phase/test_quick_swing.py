@@ -22,9 +22,9 @@ ALONE = np.array([1.0])
 def compressor(random: np.random.Generator, harmonics: float = 0.04) -> tuple[Floats, Floats, Floats]:
     """Return a current, the rotor angle and the phase of the current, that of a load once in a revolution of
     three periods."""
-    theta = 2.0 * np.pi * random.uniform(17.0, 25.0) * np.arange(COUNT) / RATE_HZ + random.uniform(0.0, 6.0)
-    theta += 0.01 * np.sin(theta + random.uniform(0.0, 6.0))
-    phase_rad = 3.0 * theta + 0.08 * np.cos(theta + random.uniform(0.0, 6.0))
+    even = 2.0 * np.pi * random.uniform(17.0, 25.0) * np.arange(COUNT) / RATE_HZ + random.uniform(0.0, 6.0)
+    theta = np.asarray(even + 0.01 * np.sin(even + random.uniform(0.0, 6.0)), dtype=np.float64)
+    phase_rad = np.asarray(3.0 * theta + 0.08 * np.cos(theta + random.uniform(0.0, 6.0)), dtype=np.float64)
     size = 1.0 + 0.3 * np.cos(theta + random.uniform(0.0, 6.0))
     current = size * (np.cos(phase_rad) + harmonics * np.cos(5.0 * phase_rad + 1.0))
     return current + 2e-3 * random.standard_normal(COUNT), theta, phase_rad

@@ -241,9 +241,9 @@ def test_whole_revolutions_have_the_time_of_what_the_speed_does_in_them() -> Non
     random, ratios = np.random.default_rng(21), []
     for _ in range(8):
         steady = 2.0 * np.pi * (random.uniform(17.0, 25.0) * np.arange(10_000) / RATE_HZ + random.uniform())
-        late, theta = random.uniform(0.0, 2.0 * np.pi), steady.copy()
+        late, theta = random.uniform(0.0, 2.0 * np.pi), np.asarray(steady, dtype=np.float64)
         for _ in range(30):
-            theta = steady - 0.05 * np.sin(theta + late)
+            theta = np.asarray(steady - 0.05 * np.sin(theta + late), dtype=np.float64)
         series = 2.0 + 0.8 * np.cos(theta) + 0.01 * random.standard_normal(len(theta))
         marks = PeriodMarks.of_angle(theta, 2.0 * np.pi / 3.0)
         assert marks is not None
