@@ -167,10 +167,12 @@ def mean_over_periods(
     pooled: bool = True,
     may_fall: bool = False,
     reference: Floats | None = None,
+    by_revolutions: bool = False,
 ) -> MeanOverPeriods:
     """Return the mean of a series, shape (n,), and its error by what is neither a slow line in it nor a
     course of few constants, such as a drift; of few periods `pooled` with its density, which a `reference`
-    that it follows tells too. Rows behind periods that are told count by the course alone."""
+    that it follows tells too. Where orders of a revolution stand out it is over whole ones, of few not, if
+    asked for `by_revolutions`. Rows behind periods that are told count by the course alone."""
     rows, periods = repeats.rows, len(repeats)
     place = repeats.places(len(series))
     lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
@@ -198,7 +200,8 @@ def mean_over_periods(
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
     mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
     found_over = MeanOverPeriods(left, mean, error, lines, course)
-    if lines is None or not lines.are_of_revolution or (turns := repeats.revolutions) is None:
+    turns = repeats.revolutions if by_revolutions and lines is not None and lines.are_of_revolution else None
+    if turns is None:
         return found_over
     # the speed swings with such lines, and whole revolutions have the time of all that it does
     over = mean_over_periods(series, turns, pooled=pooled, may_fall=may_fall, reference=reference)

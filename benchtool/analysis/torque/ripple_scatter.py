@@ -74,7 +74,7 @@ def scatter_of_periods(
     if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
         return None
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
-    of_mean = mean_over_periods(samples, repeats, may_fall=True, reference=reference)
+    of_mean = mean_over_periods(samples, repeats, may_fall=True, reference=reference, by_revolutions=True)
     rest = within if of_mean.left is samples else of_mean.left[: rows[-1]]
     # what lines and the rest have in common is nothing over whole cycles of both
     square = np.square((of_mean.left if of_mean.of_lines else samples) - of_mean.mean)

@@ -248,7 +248,7 @@ def test_whole_revolutions_have_the_time_of_what_the_speed_does_in_them() -> Non
         marks = PeriodMarks.of_angle(theta, 2.0 * np.pi / 3.0)
         assert marks is not None
         repeats = Periods(np.ceil(marks.numbers - 1e-6).astype(np.int64), "periods", 3, marks)
-        found = mean_over_periods(series, repeats)
+        found = mean_over_periods(series, repeats, by_revolutions=True)
         # of time a revolution has 1 + 0.05 cos(theta + late) at theta
         ratios.append((found.mean - 2.0 - 0.8 * 0.5 * 0.05 * math.cos(late)) / found.error.standard)
     assert math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
