@@ -40,21 +40,22 @@ def frequency(
 ) -> Measurement:
     """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
     `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
-    over the record, and `within_periods` gives the phase of a signal that swings
-    within few of them, where means over periods are off it by more than a standard uncertainty, rad."""
+    over the record, and `within_periods` gives the phase of a signal that swings within few of them, where
+    means over periods are off it by more than a standard uncertainty, rad."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     if len(seen.phase_rad) < FEWEST and tells_its_turn(steady := replace(track, departure=None)):
         track = steady  # too few periods to tell the signal's own phase
     by_tone = track.measured_rad is None or track.follows_signal or not tells_its_turn(track)
     is_told = not reason and len(seen.phase_rad) >= FEWEST
-    tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_told or by_tone else None
+    if by_tone and not reason and not is_told and track.measured_rad is not None:
+        reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
+    is_asked = is_told or (by_tone and not reason)
+    tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_asked else None
     quick = within_periods(tone.standard) if tone is not None and is_told else None
     if (by_tone or quick is not None) and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)
         text += f", of the signal; the angle alone gives {of_angle_Hz:.6g} Hz"
         basis = replace(basis, angle_Hz=of_angle_Hz)
-        if not reason and len(seen.phase_rad) < FEWEST:
-            reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
     if by_tone and reason:
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
