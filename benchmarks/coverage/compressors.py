@@ -93,6 +93,10 @@ FAMILIES = families_of(
         "compressor": _COMPRESSOR,
         "compressor_steadier_speed": replace(_COMPRESSOR, speed=0.01),
         "compressor_no_angle": replace(_COMPRESSOR, speed=0.02, load_angle_rad=0.04, counts=None),
+        "compressor_two_pole_pairs": replace(_COMPRESSOR, pole_pairs=2),
+        "compressor_two_pole_pairs_no_angle": replace(
+            _COMPRESSOR, pole_pairs=2, speed=0.02, load_angle_rad=0.04, counts=None
+        ),
         "cogging_at_low_speed": _COGGING,
         "cogging_little_at_low_speed": replace(_COGGING, speed=0.005),
     },

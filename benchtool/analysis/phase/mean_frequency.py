@@ -51,16 +51,18 @@ def frequency(
         reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
     is_asked = is_told or (by_tone and not reason)
     tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_asked else None
-    quick = within_periods(tone.standard) if tone is not None and is_told else None
+    is_of_angle = not by_tone or (tone is None and not reason)
+    turned = turned_by_angle(track, seen, tone) if is_of_angle else tone
+    quick = within_periods(turned.standard) if is_told and turned is not None else None
     if (by_tone or quick is not None) and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)
         text += f", of the signal; the angle alone gives {of_angle_Hz:.6g} Hz"
         basis = replace(basis, angle_Hz=of_angle_Hz)
-    if by_tone and reason:
+    if turned is None:
         return Measurement.undefined(name, "Hz", text, reason, basis)
     rate_Hz = spectrum.samples / spectrum.duration_s
     per_rad_Hz = rate_Hz / (2.0 * math.pi * (track.samples - 1))
-    turned = quick or (tone if by_tone and tone is not None else turned_by_angle(track, seen, tone))
+    turned = quick or turned
     budget = [replace(each, standard=per_rad_Hz * each.standard) for each in turned.budget]
     by_stamps = "" if rate_relative is None else ", and of the rate by the time stamps"
     # residue of Newton's method and rounding in a phase

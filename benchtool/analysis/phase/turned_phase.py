@@ -174,7 +174,17 @@ def _within_periods(track: PhaseTrack) -> NDArray[np.float64]:
     rows = np.arange(track.samples, dtype=np.float64)
     smooth_rad = np.asarray(track.phase(rows))
     turns = (smooth_rad - smooth_rad[0]) / (2.0 * math.pi)
-    return repeated_in_turns(track.departure(rows), turns).values
+    departure_rad = track.departure(rows)
+    # a bend of the whole course is no shape within a period: it is gone with the mean of one about each row
+    inner = (turns >= 0.5) & (turns <= turns[-1] - 0.5)
+    if not np.any(inner):
+        return np.zeros(track.samples)
+    begin, end = (np.interp(turns[inner] + side, turns, rows) for side in (-0.5, 0.5))
+    sums = np.concatenate([[0.0], np.cumsum(departure_rad)])
+    edges = np.arange(len(sums)) - 0.5
+    of_period_rad = (np.interp(end, edges, sums) - np.interp(begin, edges, sums)) / (end - begin)
+    within_rad = repeated_in_turns(departure_rad[inner] - of_period_rad, turns[inner] - turns[inner][0])
+    return np.interp(turns, turns[inner], within_rad.values, period=1.0)
 
 
 def middles_of_periods(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:

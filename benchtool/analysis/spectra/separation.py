@@ -37,6 +37,7 @@ from benchtool.analysis.spectra.interharmonics import (
 )
 from benchtool.analysis.spectra.modulation import SteadyAmplitude, with_steady_amplitude
 from benchtool.analysis.spectra.moving_tones import Course, course_of
+from benchtool.analysis.spectra.swing_lines import off_by_lines
 from benchtool.errors import AnalysisError
 
 Floats = NDArray[np.float64]
@@ -44,7 +45,6 @@ Floats = NDArray[np.float64]
 _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
 _MORE = 2.0  # times the squares that are left along a phase that was followed
-_SYMMETRIC, _LIKE = 0.5, 0.3  # bins; a ratio of amplitudes: of sidebands of an amplitude and its phase
 _OF_LINE_ALONE = 2.0  # times a line, by which it may put a phase off
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
@@ -173,30 +173,24 @@ class Separation:
     def within_periods(self, rate_Hz: float, channel: str, least_rad: float) -> Turned | None:
         """Return the phase over the record of a fundamental that swings within few of its periods; None where
         that is not told, or means over periods are off it by no more than `least_rad`, rms."""
-        has_pair, alone = self._around_fundamental
-        # which harmonics repeat, or there is an angle beside: it swings, and no lines are beside it
-        is_told = self.seen.excess_rad > 0.0 or self.track.measured_rad is not None
-        if not (self.track.follows_signal or (has_pair and is_told)):
+        own = harmonics(self.clean)
+        swings, alone = self._lines_about_fundamental(own)
+        if not (self.track.follows_signal or swings):
             return None
         track = replace(self.track, departure=None)
         coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
-        swing = quick_swing(coherent, track, harmonics(self.clean))
+        swing = quick_swing(coherent, track, own)
         return None if swing is None else swing.turned(track, max(least_rad, _OF_LINE_ALONE * alone))
 
-    @property
-    def _around_fundamental(self) -> tuple[bool, float]:
-        """Whether of the lines that were taken out two are as far below the fundamental as above it, of like
-        size, as sidebands are, and the largest of those without such a counterpart, relative to it."""
-        if self.others is None:
+    def _lines_about_fundamental(self, own: Floats) -> tuple[bool, float]:
+        """Return whether lines that were taken out tell that the fundamental swings, and the largest about it
+        that do not, relative to it."""
+        if self.others is None or not own[0] > 0.0:
             return False, 0.0
         steady, moving = self.others.phasors, self.others.moving
         cycles = np.array([*self.others.places, *(each.by_turns + each.by_time for each in moving)])
-        sizes = np.abs(np.array([*steady, *(each.phasor for each in moving)])) / self.clean.fundamental
-        apart = cycles / self.coherent.periods - 1.0
-        is_pair = np.abs(np.add.outer(apart, apart)) < _SYMMETRIC / self.coherent.periods
-        is_pair &= np.minimum.outer(sizes, sizes) > _LIKE * np.maximum.outer(sizes, sizes)
-        is_near, is_paired = np.abs(apart) < 1.0, np.any(is_pair, axis=1)
-        return bool(np.any(is_near & is_paired)), float(np.max(sizes[is_near & ~is_paired], initial=0.0))
+        sizes = np.abs(np.array([*steady, *(each.phasor for each in moving)])) / own[0]
+        return off_by_lines(cycles / self.coherent.periods, sizes, own / own[0], self.coherent.periods)
 
     def beside(self, groups: HarmonicGroups | None) -> Beside | None:
         """Return what is in `groups` besides the harmonics; None where that is nothing, or moves otherwise

@@ -67,6 +67,34 @@ def test_an_encoder_that_errs_once_a_revolution_does_not_hide_the_phase_of_the_s
     assert 0.5 < math.sqrt(float(np.mean(np.square(ratios)))) < 1.5
 
 
+def test_an_encoder_that_errs_over_a_part_of_a_revolution_is_no_swing_within_periods() -> None:
+    """What it errs by in one period is nearly a straight line, whose bend is alike in many."""
+    random, pole_pairs, place = np.random.default_rng(83), 18, np.arange(3000) / 3000
+    for _ in range(4):
+        theta = 2 * np.pi * 0.85 * pole_pairs * (place + 5e-3 * (place**2 - place) + random.uniform())
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + 2e-4 * random.standard_normal(len(theta))
+        read = theta / pole_pairs + 5e-3 * np.sin(theta / pole_pairs + random.uniform(0, 2 * np.pi))
+        block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=current)
+        found = current_spectrum(block, "i_a", track_angle(np.mod(read, 2 * np.pi), pole_pairs)).measurements[
+            0
+        ]
+        assert found.uncertainty is not None
+        true_Hz = float(theta[-1] - theta[0]) / (2 * np.pi) / (len(theta) - 1) * RATE_HZ
+        assert abs(found.value - true_Hz) < 4.0 * found.uncertainty.standard < 0.02
+
+
+@pytest.mark.parametrize("periods", [2.2, 2.5])
+def test_a_swing_within_few_periods_of_a_part_of_a_revolution_leaves_no_frequency(periods: float) -> None:
+    theta = 2 * np.pi * periods * np.arange(2000) / 2000
+    noise = 1e-4 * np.random.default_rng(84).standard_normal(len(theta))
+    swinging = theta + 7e-3 * np.cos(3 * theta) + noise
+    block = Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=np.cos(swinging) + 0.03 * np.cos(5 * swinging))
+    angle = np.mod(swinging / 7, 2 * np.pi)
+    found = current_spectrum(block, "i_a", track_angle(angle, 7)).measurements[0]
+    assert math.isnan(found.value)
+    assert "revolutions" in found.reason
+
+
 @pytest.mark.parametrize(("apart", "value", "standard"), [(1.0, 0.9, math.sqrt(0.9)), (20.0, 0.0, 3.0)])
 def test_phases_that_agree_are_weighted_by_their_variances(
     apart: float, value: float, standard: float

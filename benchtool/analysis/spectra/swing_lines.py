@@ -1,0 +1,50 @@
+"""Lines about a fundamental: sidebands of its swing, or no part of it.
+
+Where the fundamental swings, so do its harmonics: lines are as far below and above one of these as about the
+fundamental. Amplitude and phase may swing so that one of its own sidebands is small, or gone. Lines that are
+merely near it, as of another motor on the supply, have no such counterparts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_WITHIN = 0.5  # bins
+_NEAR, _LEAK = 1.0, 2.0  # cycles in a period
+
+
+def off_by_lines(orders: Floats, sizes: Floats, harmonics: Floats, periods: float) -> tuple[bool, float]:
+    """Return whether lines tell that the fundamental swings within few periods, and the size of the largest
+    line about it that is no sideband, by which means over periods are off.
+
+    Args:
+        orders: where the lines are, cycles in a period, shape (lines,).
+        sizes: their amplitudes, shape (lines,), relative to the fundamental.
+        harmonics: amplitudes from the fundamental on, shape (orders,), relative to it.
+        periods: of the record: a bin is one of as many parts of a cycle in a period.
+    """
+    within = _WITHIN / periods
+    of_order = np.arange(1.0, len(harmonics) + 1.0)
+
+    def has_both_sidebands(apart: float) -> bool:
+        """Return whether lines are so far from a harmonic that is larger, on both sides."""
+        is_sideband = [
+            (np.abs(np.subtract.outer(of_order + side * apart, orders)) < within)
+            & (sizes < harmonics[:, np.newaxis])
+            for side in (-1.0, 1.0)
+        ]
+        below, above = (np.any(each, axis=1) for each in is_sideband)
+        return bool(np.any((below & above)[1:]))
+
+    aparts = np.abs(orders - 1.0)
+    swings = np.array([each for each in aparts[aparts < _NEAR] if has_both_sidebands(float(each))])
+    from_harmonics = np.abs(np.subtract.outer(of_order, orders))
+    # a phase that swings far has sidebands at twice the distance as well
+    at = np.concatenate([swings, 2.0 * swings])
+    of_swing = np.min(np.abs(np.subtract.outer(at, from_harmonics)), axis=0, initial=np.inf) < within
+    is_sideband = np.any(of_swing & (sizes < harmonics[:, np.newaxis]), axis=0)
+    alone = float(np.max(sizes[(aparts < _LEAK) & ~is_sideband], initial=0.0))
+    return len(swings) > 0, alone
