@@ -184,7 +184,7 @@ def _within_periods(track: PhaseTrack) -> NDArray[np.float64]:
     edges = np.arange(len(sums)) - 0.5
     of_period_rad = (np.interp(end, edges, sums) - np.interp(begin, edges, sums)) / (end - begin)
     within_rad = repeated_in_turns(departure_rad[inner] - of_period_rad, turns[inner] - turns[inner][0])
-    return np.interp(turns, turns[inner], within_rad.values, period=1.0)
+    return np.asarray(np.interp(turns, turns[inner], within_rad.values, period=1.0))
 
 
 def middles_of_periods(track: PhaseTrack, seen: Wander) -> NDArray[np.float64]:
