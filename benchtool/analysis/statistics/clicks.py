@@ -63,10 +63,9 @@ def clicks_apart(deviations: Floats, step: float = 0.0) -> ClicksApart | None:
     least, next_to, tiny = sizes[counts - 1] - 0.5 * step, sizes[counts] + 0.5 * step, np.finfo(float).tiny
     if not np.any(least > next_to):
         return None
-    gaps, spread = (
-        np.log(np.maximum(least, tiny) / np.maximum(next_to, tiny)),
-        np.log(sizes[0] / np.maximum(sizes[counts - 1], tiny)),
-    )
+    # a ratio to the least number there is would overflow
+    gaps = np.log(np.maximum(least, tiny)) - np.log(np.maximum(next_to, tiny))
+    spread = np.log(sizes[0]) - np.log(np.maximum(sizes[counts - 1], tiny))
     ratios = counts * np.maximum(gaps, 0.0) / np.maximum(spread, _ROUNDING)
     chances = [-float(np.sum(np.log1p(c / np.arange(1, m)))) for m, c in zip(counts, ratios, strict=True)]
     at = int(np.argmin(chances))

@@ -32,3 +32,9 @@ def test_the_largest_of_a_random_number_of_clicks_scatters_as_stated() -> None:
         stated.append(np.nan if found is None else found.scatter_of_largest(1.0))
     assert np.count_nonzero(np.isfinite(stated)) > 180
     assert np.sqrt(np.nanmean(np.square(stated))) == pytest.approx(np.std(largest), rel=0.3)
+
+
+def test_clicks_beside_nothing_may_be_of_any_size() -> None:
+    deviations = np.zeros(200)
+    deviations[::17] = 1e20
+    assert clicks_apart(deviations) is not None
