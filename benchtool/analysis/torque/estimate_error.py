@@ -98,7 +98,7 @@ class TorqueOfBoth:
         periods = Periods(rows_of_marks(marks.numbers), per_revolution=self.per_revolution, marks=marks)
         if len(periods) < FEWEST_PERIODS or np.min(np.diff(periods.rows)) < 1:
             return None
-        return mean_over_periods(samples, periods, may_fall=True)
+        return mean_over_periods(samples, periods, may_fall=True, by_revolutions=True)
 
     def _at_the_finer_rows(
         self, track: PhaseTrack, track_of_transducer: PhaseTrack

@@ -199,13 +199,13 @@ def mean_over_periods(
     of_mean = 1.0 if lines is None else lines.of_mean
     error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
     mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
-    found_over = MeanOverPeriods(left, mean, error, lines, course)
+    over_periods = MeanOverPeriods(left, mean, error, lines, course)
     turns = repeats.revolutions if by_revolutions and lines is not None and lines.are_of_revolution else None
     if turns is None:
-        return found_over
+        return over_periods
     # the speed swings with such lines, and whole revolutions have the time of all that it does
-    over = mean_over_periods(series, turns, pooled=pooled, may_fall=may_fall, reference=reference)
-    return replace(found_over, mean=over.mean, error=over.error)
+    over_turns = mean_over_periods(series, turns, pooled=pooled, may_fall=may_fall, reference=reference)
+    return replace(over_periods, mean=over_turns.mean, error=over_turns.error)
 
 
 @dataclass(frozen=True)
