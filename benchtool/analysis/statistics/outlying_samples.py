@@ -136,13 +136,20 @@ def converter_step(samples: Floats) -> float:
     """Return the step of a converter in samples, shape (n,); 0 of a curve that was drawn, not measured.
 
     Of an answer that is over in few rows few levels are seen, apart by different numbers of steps. Values
-    that are read once among others that nearly all samples have are on no step, as the first of a speed that
-    is counted from row to row, which has none before it.
+    that are read once among others that nearly all samples have may be on no step, as the first of a speed
+    that is counted from row to row, which has none before it: they count where the others are too few.
     """
     values, place, reads = np.unique(samples, return_inverse=True, return_counts=True)
     is_level = reads > 1
     if np.sum(reads[is_level]) > (1.0 - RARE) * len(samples):
-        samples, values = samples[is_level[place]], values[is_level]
+        found = _step_of(samples[is_level[place]], values[is_level])
+        if found:
+            return found
+    return _step_of(samples, values)
+
+
+def _step_of(samples: Floats, values: Floats) -> float:
+    """Return the step of a converter in samples, shape (n,), of these different values; 0 without one."""
     counted = counting_step(samples) if len(values) >= _FEWEST_LEVELS else 0.0
     return counted or step_between(values, _FEWEST_LEVELS)
 

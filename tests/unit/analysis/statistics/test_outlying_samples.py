@@ -93,3 +93,12 @@ def test_counts_are_no_clicks_where_the_first_row_has_none() -> None:
     samples[0] = samples[1] + step / 3.0
     assert converter_step(samples) == pytest.approx(step)
     assert without_clicks(samples)[1] == 0
+
+
+def test_a_converter_shows_its_step_where_the_way_of_an_answer_is_short() -> None:
+    """Nearly all samples are on few levels, and most of those in between are read once."""
+    step = 1.0 / 60.3
+    for late in (0.0, 0.2, 0.4):
+        answer = 1.0 - np.exp(-(np.arange(2000.0) + late) / 15.0)
+        assert converter_step(step * np.round(answer / step)) == pytest.approx(step)
+        assert converter_step(answer) == 0.0
