@@ -24,7 +24,6 @@ Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]
 
 _LOOKED_AT = 1 << 16  # samples
-_SETTLED = 10.0  # time constants, after which what was before the record is forgotten
 _MAIN_LOBE = 3.0  # bins of a line under a Hann window
 _DRAWS = 24  # of waveforms alike
 _LOBES = 4  # bins to either side, beyond which a line under a Hann window has a millionth of its power
@@ -32,6 +31,8 @@ _APART = 0.1  # of a step, rms: how much their lines differ
 _MOST_LINES = 64
 _OF_A_STEP = 0.25  # lines below may be the steps' own
 _OF_A_LINE = 1.5  # power of three bins over that of the largest, of a line under a Hann window
+_BINS, _ROWS = 65, 9  # whose mean tells signal from noise
+_CLEARLY = 6.0  # over the root of their number: by how much noise hardly exceeds its lower quartile
 _STANDS_OUT = 12.0  # of the mean power of noise, which one bin of 160000 exceeds
 
 
@@ -229,20 +230,35 @@ def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Flo
     were before one.
 
     By its frequency response. Before the first and past the last the samples go on as in a mirror, which
-    keeps their mean, until the lag has forgotten.
+    keeps their mean. What does not stand out of the noise stays as it is with a further sensor: it is noise
+    of the reading, which the first has not attenuated.
     """
     count = len(samples)
-    reach = min(count - 1, math.ceil(abs(times) * _SETTLED * rate_Hz / (2.0 * math.pi * by.bandwidth_Hz)))
-    extended = np.pad(samples, reach, mode="reflect")
-    inverse = by.inverse(np.asarray(fft.rfftfreq(len(extended), 1.0 / rate_Hz), dtype=np.float64))
-    filtered = fft.irfft(fft.rfft(extended) / inverse**times, len(extended))
-    return np.asarray(filtered[reach : reach + count])
+    mirrored = np.concatenate([samples, samples[::-1]])
+    bins = np.asarray(fft.rfft(mirrored))
+    inverse = by.inverse(np.asarray(fft.rfftfreq(len(mirrored), 1.0 / rate_Hz), dtype=np.float64))
+    changes = bins * (inverse**-times - 1.0)
+    changed = fft.irfft(changes, len(mirrored))[:count]
+    if times > 0:
+        of_signal = fft.irfft(_share_of_signal(np.abs(bins) ** 2, _BINS) * changes, len(mirrored))[:count]
+        # an edge stands out where it is, of bins that each do not
+        left = changed - of_signal
+        changed = of_signal + _share_of_signal(left**2, _ROWS) * left
+    return np.asarray(samples + changed)
 
 
 def _least_of_lines(power: Floats) -> float:
     """Return the power above which a bin holds more than noise, whose mean is taken from the least quarter of
     all bins."""
     return _STANDS_OUT * float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
+
+
+def _share_of_signal(power: Floats, neighbours: int) -> Floats:
+    """Return how much of each bin or sample, shape (n,), is signal and not noise, as by Wiener's filter: by
+    the mean power of so many neighbours, so that a transient has a smooth share along its spectrum."""
+    near = np.convolve(power, np.full(neighbours, 1.0 / neighbours), mode="same")
+    floor = (1.0 + _CLEARLY / math.sqrt(neighbours)) * float(np.quantile(near, 0.25))
+    return np.asarray(1.0 - floor / np.maximum(near, floor + np.finfo(float).tiny))
 
 
 def in_steps(samples: Floats, step: float, phase: float) -> Floats:

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from scipy import special
+from scipy import signal, special
 
-from benchtool.analysis.sensors.waveform import Waveform, by_steps, moved_small_line
+from benchtool.analysis.sensors.lag import Response
+from benchtool.analysis.sensors.waveform import Waveform, by_steps, lagged, moved_small_line
 
 RATE_HZ, STEP = 10_000.0, 0.1
 
@@ -65,3 +66,23 @@ def test_steps_move_a_small_line_by_what_a_large_one_leaves_of_them(steps: float
     assert moved_small_line(waveform, 1.0, small) == pytest.approx(small * expected, rel=0.35)
     assert moved_small_line(waveform, 1.0, 0.3) == 0.0
     assert moved_small_line(waveform, 1.0, 0.0) == 0.0
+
+
+def test_a_further_sensor_changes_the_answer_and_leaves_noise_of_the_reading() -> None:
+    """White noise up to half the rate has not passed a sensor of a tenth of that."""
+    by, noise = Response(500.0), 2e-3
+    of_one = [1.0 / (2.0 * math.pi * by.bandwidth_Hz), 1.0]
+    read, once_more = (
+        _answer(np.polymul([3e-3, 1.0], each)) for each in (of_one, np.polymul(of_one, of_one))
+    )
+    beside = noise * np.random.default_rng(2).standard_normal(len(read))
+    found = lagged(read + beside, RATE_HZ, by)
+    assert np.std(found[-3000:]) == pytest.approx(noise, rel=0.06)
+    assert found - beside == pytest.approx(once_more, abs=3.0 * noise)
+    assert lagged(read, RATE_HZ, by) == pytest.approx(once_more, abs=0.4 * noise)
+
+
+def _answer(poles: np.ndarray) -> np.ndarray:
+    """Return the answer to a step in row 400 of lags with this denominator."""
+    _, answer = signal.step(([1.0], poles), T=np.arange(4000) / RATE_HZ)
+    return np.concatenate([np.zeros(400), answer])
