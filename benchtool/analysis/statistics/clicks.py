@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,6 +18,8 @@ _FURTHEST, _CELLS = 10.0, 2000  # standard deviations, in a table
 _FEWEST_CLICKS, _MOST_CLICKS = 5, 20  # fewer have no deviation to speak of, more are a tail
 _ROUNDING = 1e-9  # of a size
 _JEFFREYS = 0.5  # prior of a Poisson number
+_LEVELS, _HIGHEST = 64, 4.0  # of a course; standard deviations of a click
+_OF_ONE = 0.75  # of its size: the deviation of sizes about their mean where heights are normal
 
 
 @dataclass(frozen=True)
@@ -38,13 +41,67 @@ class ClicksApart:
         """
         dof = len(self.sizes) - 1.0
         spread = float(np.std(self.sizes, ddof=1)) * students_deviation(dof)
-        value, above = normal_above()
         expected = share * (self.above + _JEFFREYS)
-        mass = np.diff(np.exp(-expected * above), prepend=0.0)
+        value, above = normal_above()
         largest = float(np.mean(self.sizes)) + spread * value
         largest[0] = self.rest
-        mean = float(mass @ largest)
-        return math.sqrt(float(mass @ (largest - mean) ** 2))
+        return _deviation(largest, np.exp(-expected * above))
+
+
+@dataclass(frozen=True)
+class KnownClicks:
+    """Clicks of a record of so many `rows`: how far each is above what it would be, `heights`, and in which
+    row, `places`, both of shape (n,)."""
+
+    heights: Floats
+    places: NDArray[np.int64]
+    rows: int
+
+    @property
+    def are_few(self) -> bool:
+        """Whether there are any, and no more than are told from a tail."""
+        return 0 < len(self.heights) <= _MOST_CLICKS
+
+    def scatter_of_greatest(
+        self, side: Callable[[Floats], Floats], course: Floats, values: Floats, first: int
+    ) -> float:
+        """Return the standard deviation of the greatest of values from a row on about a course as seen from a
+        side, both of shape (n,), over records in which such clicks may be in any row.
+
+        Without one the greatest is that of the values which are none. Of one click no spread is known: it is
+        taken to be that of normal heights.
+        """
+        sizes, course = np.abs(self.heights), side(course)
+        mean = float(np.mean(sizes))
+        spread = _OF_ONE * mean
+        if len(sizes) > 1:
+            spread = float(np.std(sizes, ddof=1)) * students_deviation(len(sizes) - 1.0)
+        is_click = np.isin(np.arange(first, first + len(values)), self.places)
+        if np.all(is_click):
+            return 0.0
+        rest = float(np.max(side(values)[~is_click]))
+        rows, edges = np.histogram(course, _LEVELS)
+        levels = 0.5 * (edges[:-1] + edges[1:])
+        value, above = normal_above()
+        greatest = np.linspace(rest, max(rest, float(levels[-1]) + mean + _HIGHEST * spread), _CELLS)
+        higher = (greatest - levels[:, np.newaxis] - mean) / max(spread, _ROUNDING * mean)
+        of_one = rows @ np.interp(higher, value, above) / self.rows
+        expected = np.count_nonzero(side(self.heights) > 0.0) + _JEFFREYS
+        return _deviation(greatest, np.exp(-expected * of_one))
+
+    def scatter_of_sum_of_squares(self, rows: int) -> float:
+        """Return the standard deviation of the sum of their squares in so many rows."""
+        fourth = self.heights**4
+        expected = rows / self.rows * (float(np.sum(fourth)) + _JEFFREYS * float(np.mean(fourth)))
+        return math.sqrt(expected)
+
+
+def _deviation(values: Floats, below: Floats) -> float:
+    """Return the standard deviation of what is at most each of rising values, shape (n,), with the
+    probability `below`."""
+    mass = np.diff(below, prepend=0.0)
+    mean = float(mass @ values)
+    return math.sqrt(float(mass @ (values - mean) ** 2))
 
 
 def clicks_apart(deviations: Floats, step: float = 0.0) -> ClicksApart | None:

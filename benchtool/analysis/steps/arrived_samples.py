@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from benchtool.analysis.distributions import least_odds
 from benchtool.analysis.quantisation.read_noise import noise_of_readings
 from benchtool.analysis.quantisation.repeated_steps import noise_beside
-from benchtool.analysis.statistics.clicks import clicks_apart
+from benchtool.analysis.statistics.clicks import KnownClicks, clicks_apart
 from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
 from benchtool.analysis.statistics.scatter import error_of_record, error_of_series
@@ -65,7 +65,7 @@ class ArrivedSamples:
     `of_course`, the standard deviation of what noise has left in the course, `of_rest`, how much of the noise
     that leaves about it, and `of_times`, the standard deviation of each value because its time is not known.
     `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and `shares` how
-    likely each is.
+    likely each is. A few `clicks` of the record may be in any of its rows.
     """
 
     samples: Floats
@@ -84,6 +84,7 @@ class ArrivedSamples:
     added: float = 0.0
     on_the_way: UnevenNoise | None = None
     beside: tuple[Floats, ...] = ()
+    clicks: KnownClicks | None = None
 
     @classmethod
     def of(
@@ -212,13 +213,14 @@ class ArrivedSamples:
         if self.on_the_way is not None:
             power = self.on_the_way.of_sum_of_squares() / (2.0 * rms * len(self.values))
             on_the_way = math.hypot(self.on_the_way.of_sum(weights), power)
+        of_power = self._of_power(rms)
         noise = [
-            self._of_power(rms),
+            of_power,
             Contribution(_ON_THE_WAY, "A", on_the_way),
             Contribution(_TIMES, "A", self._of_times(rms)),
         ]
-        if self._is_heavy:
-            noise.append(Contribution("one sample far from the others, or none", "A", self._of_one_far(rms)))
+        if far := self._of_one_far(rms, of_power.standard):
+            noise.append(Contribution("one sample far from the others, or none", "A", far))
         # steps that noise does not hide add a power of their own, and move all samples on one level together
         untold = max(_OF_SHAPE, self.left / (_UNIFORM * self.step)) if self.step else 0.0
         power = untold * _OF_SQUARE * self.step**2 / (2.0 * rms)
@@ -267,7 +269,10 @@ class ArrivedSamples:
         if self.on_the_way is not None:  # on no level, with noise of its own
             open_to[: len(self.on_the_way.levels)] = False
         on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
-        return max(on_a_level, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
+        of_clicks = 0.0
+        if self.clicks is not None:
+            of_clicks = self.clicks.scatter_of_greatest(side, self.course, self.values, self.first)
+        return max(on_a_level, of_clicks, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
         """Return the scatter of the largest of deviations, shape (n,), on one level."""
@@ -310,11 +315,18 @@ class ArrivedSamples:
             drawn[:, : len(self.on_the_way.levels)] = self.on_the_way.draw(random, draws)
         return np.asarray(self.course + self.of_rest * drawn)
 
-    def _of_one_far(self, rms: float) -> float:
+    def _of_one_far(self, rms: float, of_power: float) -> float:
         """Return by how much the root mean square is more with the greatest magnitude as much greater as that
-        scatters: of heavy tails one sample makes much of it, and most records lack that."""
-        greatest, scatter = float(np.max(np.abs(self.values))), self._scatter_of_greatest(np.abs)
-        return (greatest + 0.5 * scatter) * scatter / (len(self.values) * rms)
+        scatters: of heavy tails one sample makes much of it, and most records lack that. Of known clicks it
+        is what their squares scatter by, beyond the scatter `of_power` of those here."""
+        far, clicks = 0.0, 0.0
+        if self._is_heavy:
+            greatest, scatter = float(np.max(np.abs(self.values))), self._scatter_of_greatest(np.abs)
+            far = (greatest + 0.5 * scatter) * scatter
+        if self.clicks is not None:
+            clicks = 0.5 * self.clicks.scatter_of_sum_of_squares(len(self.values))
+        scale = len(self.values) * rms
+        return max(far / scale, math.sqrt(max(0.0, (clicks / scale) ** 2 - of_power**2)))
 
     @property
     def _is_heavy(self) -> bool:

@@ -109,14 +109,13 @@ def _rest(step: Step, settled: Instant, tail: Tail) -> int:
 
 
 def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
-    """Yield the numbers; what is of the smooth curve says how many samples are not in it."""
+    """Yield the numbers; what is of the smooth curve says how many samples are not in it, and what is of the
+    samples how many may be in it."""
+    left_out = count_of(clicks, "sample that is", "samples that are")
     for each in found:
-        if each.name.startswith(_OF_SAMPLES):
-            yield each
-        else:
-            left_out = count_of(clicks, "sample that is", "samples that are")
-            text = f"{each.definition}; without {left_out} far from the neighbours"
-            yield replace(each, definition=text)
+        is_of_samples = each.name.startswith(_OF_SAMPLES)
+        told = f"the record has {left_out}" if is_of_samples else f"without {left_out}"
+        yield replace(each, definition=f"{each.definition}; {told} far from the neighbours")
 
 
 def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measurement]:

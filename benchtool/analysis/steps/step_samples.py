@@ -138,7 +138,11 @@ def _arrived(
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
         since = replace(since, place=since.place - late, drawn=drawn).widened(late)
+    if step.clicks:
+        course = replace(course, time_scatter=max(course.time_scatter, step.time_scatter))
     seen = None if drift is None else drift.seen_from(step.sign)
     last = round(TAIL * len(step.y))
     beside = (step.y_before, *([step.y_clear[-last:]] if len(values) <= len(step.y) - last else []))
-    return ArrivedSamples.of(values, course, since, band, noise, step.converter_step, event, seen, beside)
+    found = ArrivedSamples.of(values, course, since, band, noise, step.converter_step, event, seen, beside)
+    known = replace(step.known_clicks, heights=step.sign * step.known_clicks.heights)
+    return replace(found, clicks=known) if known.are_few else found

@@ -16,10 +16,11 @@ from benchtool.analysis.quantisation.counted_speed import (
     most_of_counts,
 )
 from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
+from benchtool.analysis.statistics.clicks import KnownClicks
 from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
-from benchtool.analysis.steps.row_times import even_hold
+from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
@@ -60,15 +61,16 @@ class Step:
     reference, the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties
     that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
     there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their
-    neighbours, `y_before` the same up to the step, `r_before` the reference until then, and `of_plateau` the
-    noise on the plateau if it is another than at rest. A speed `is_counted` where each sample is how far a
-    counter has come since the one before. `shown_late` is for how long after a row it is shown at most, in
-    rows.
+    neighbours, `known_clicks` are those left out, `y_before` is the same up to the step, `r_before` the
+    reference until then, and `of_plateau` the noise on the plateau if it is another than at rest. A speed
+    `is_counted` where each sample is how far a counter has come since the one before. `shown_late` is for how
+    long after a row it is shown at most, in rows.
     """
 
     y: Floats
     y_clear: Floats
     clicks: int
+    known_clicks: KnownClicks
     y_before: Floats
     is_counted: bool
     of_plateau: Noise | None
@@ -118,6 +120,12 @@ class Step:
     def y_noise(self) -> Noise:
         """Noise at rest, before the step and in the last rows."""
         return self.noise_of(self.y_before[: self.begin], self.y_clear[-self.tail :])
+
+    @cached_property
+    def time_scatter(self) -> float:
+        """Standard deviation of the times of the samples, in rows: one that repeats the row before on the way
+        of an answer without noise is a click, which is not in the curve and among the samples."""
+        return scatter_of_times(self.y, self.y_noise, self.converter_step)
 
     def noise_of(self, *pieces: Floats) -> Noise:
         """Return the noise of the signal by samples at rest. That of counts is another at each speed: on the
@@ -215,6 +223,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         y=y[begin:],
         y_clear=clear[begin:],
         clicks=clicks,
+        known_clicks=_known_clicks(y, clear, begin),
         y_before=clear[: max(1, begin)],
         is_counted=is_counted((clear[:begin], clear[-tail:]), converter_step(y)),
         of_plateau=_noise_of_plateau(clear, r, begin, greatest, tail, y),
@@ -271,6 +280,16 @@ def _without_clicks(y: Floats, begin: int) -> tuple[Floats, int]:
         clear = clear.copy()
         clear[peaks] = y[peaks]
     return clear, clicks
+
+
+def _known_clicks(y: Floats, clear: Floats, begin: int) -> KnownClicks:
+    """Return the clicks of a signal, shape (n,), that it is `clear` of, with their places from a row on. A
+    row that repeats the one before is beyond a course without noise, too, and is none."""
+    is_click = y != clear
+    repeats = is_click & (np.diff(y, prepend=math.nan) == 0.0)
+    repeats[1:] &= ~is_click[:-1]
+    places = np.flatnonzero(is_click & ~repeats)
+    return KnownClicks((y - clear)[places], places - begin, len(y))
 
 
 def _without_noise(r: Floats, row: int, noise: Noise) -> tuple[Floats, float, float, Floats]:

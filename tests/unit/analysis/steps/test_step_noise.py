@@ -254,3 +254,29 @@ def test_a_start_that_noise_hides_is_that_of_a_lag_of_the_order_that_the_rest_sh
     assert found is not None
     assert found.place == pytest.approx(dead + tau * special.gammaincinv(order, 0.02), abs=0.3)
     assert 0.3 < found.standard < 4.0
+
+
+def test_rows_that_repeat_the_one_before_move_what_is_of_the_samples() -> None:
+    """Without noise they are left out of the curve like clicks, and not out of the samples."""
+    tau, stale, rows = 19.0, 0.05, 1400
+    lag = 1.0 - np.exp(-np.maximum(0.0, np.arange(rows) - 203.0) / tau)
+    for seed in range(4):
+        is_new = np.random.default_rng(seed).random(rows) > stale
+        y = lag[np.maximum.accumulate(np.where(is_new, np.arange(rows), 0))]
+        _, standard = _errors(y, _step(0.0, 1.0, rows, 200), "tracking_error_max", 0.0)
+        assert standard > 0.5 * math.sqrt(stale) * 0.02 / tau
+
+
+def test_a_click_elsewhere_in_the_record_may_be_among_the_samples() -> None:
+    y, r = _noisy(1.0, 3e-3, rows=2000)
+    without = _one(y, r, "tracking_error_max")
+    y[40] += 0.1
+    found = _one(y, r, "tracking_error_max")
+    assert without.uncertainty is not None
+    assert found.uncertainty is not None
+    assert found.value == without.value
+    assert found.uncertainty.standard > 0.02 > 5.0 * without.uncertainty.standard
+    assert found.definition.endswith("the record has 1 sample that is far from the neighbours")
+    powers = [_one(each, r, "tracking_error_rms") for each in (y, np.where(np.arange(2000) == 40, 0.0, y))]
+    of_click, of_none = (each.uncertainty.standard for each in powers if each.uncertainty is not None)
+    assert of_click > 3.0 * of_none
