@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.statistics.lowest_frequencies import slow_noise, walk_probability
-from benchtool.analysis.statistics.straight_lines import places_about_middle
+from benchtool.analysis.statistics.straight_lines import places_about_middle, slope_weights
 from benchtool.analysis.steps.noisy_curve import at_rest_error
 from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_shape import Step
 
 Floats = NDArray[np.float64]
@@ -137,9 +138,18 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
             f"let it settle before the step, or record less after it"
         )
         return Drift(reason, with_steps)
-    both = _of_both(with_steps, Slope.of(at_rest))
+    both = _of_both(_under_noise_of(at_rest, len(step.y_before), with_steps), Slope.of(at_rest))
     doubt = abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0
     return Drift(slope=with_steps if with_steps.is_certain_at_rest else None, doubt=doubt)
+
+
+def _under_noise_of(at_rest: Floats, count: int, before: Slope) -> Slope:
+    """Return the slope of so many samples before a step, as uncertain as the noise of more samples at rest
+    makes it where that is more: few samples of slow noise may show little of it by chance."""
+    if not len(at_rest) > count:
+        return before
+    of_noise = Noise.of(at_rest).of_sum(slope_weights(count))
+    return Slope(before.value, max(before.standard, of_noise))
 
 
 def without_drift(before: Floats, at_rest: Floats) -> tuple[Floats, Floats]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -229,3 +231,17 @@ def test_a_level_that_a_control_takes_a_signal_back_to_is_known() -> None:
             refused[name] += "wanders" in found.reason
     assert refused["walk"] >= 4
     assert refused["control"] <= 3  # of which a sixth of the record moves by more
+
+
+def test_a_drift_at_rest_is_a_doubt_where_few_samples_before_the_step_are_calm_by_chance() -> None:
+    """200 rows of slow noise, twenty times its memory, show neither its size nor a drift of theirs."""
+    random, drift = np.random.default_rng(5), -3e-5
+    white = random.standard_normal(2200)
+    noise = 3e-3 * math.sqrt(1.0 - 0.9**2) * signal.lfilter([1.0], [1.0, -0.9], white)
+    noise[:200] = 1.5e-3 * white[:200] - drift * np.arange(200)
+    since = np.maximum(0.0, np.arange(2200) - 200.0)
+    y = 1.0 - np.exp(-since / 20.0) + noise + drift * np.arange(2200)
+    step = find_step(
+        Block.from_arrays(1e4, {"y": "Nm", "r": "Nm"}, y=y, r=np.where(since > 0.0, 1.0, 0.0)), "y", "r"
+    )
+    assert find_drift(step, step.y_clear[1000:]).doubt == pytest.approx(-drift, rel=0.2)
