@@ -138,8 +138,9 @@ def _arrived(
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
         since = replace(since, place=since.place - late, drawn=drawn).widened(late)
-    if step.clicks:
-        course = replace(course, time_scatter=max(course.time_scatter, step.time_scatter))
+    if step.clicks and step.time_scatter > course.time_scatter:
+        since = since.widened(math.sqrt(step.time_scatter**2 - course.time_scatter**2))
+        course = replace(course, time_scatter=step.time_scatter)
     seen = None if drift is None else drift.seen_from(step.sign)
     last = round(TAIL * len(step.y))
     beside = (step.y_before, *([step.y_clear[-last:]] if len(values) <= len(step.y) - last else []))
