@@ -62,24 +62,25 @@ class KnownClicks:
         """Whether there are any, and no more than are told from a tail."""
         return 0 < len(self.heights) <= _MOST_CLICKS
 
-    def scatter_of_greatest(
-        self, side: Callable[[Floats], Floats], course: Floats, values: Floats, first: int
-    ) -> float:
-        """Return the standard deviation of the greatest of values from a row on about a course as seen from a
-        side, both of shape (n,), over records in which such clicks may be in any row.
+    @property
+    def tell_their_size(self) -> bool:
+        """Whether they are enough to have a deviation to speak of."""
+        return len(self.heights) >= _FEWEST_CLICKS
 
-        Without one the greatest is that of the values which are none. Of one click no spread is known: it is
-        taken to be that of normal heights.
+    def scatter_of_greatest(self, side: Callable[[Floats], Floats], course: Floats, others: Floats) -> float:
+        """Return the standard deviation of the greatest of values about a course, shape (n,), over records in
+        which such clicks may be in any row; course and the `others`, the values that are none, shape (m,),
+        are as seen from a side.
+
+        Of one click no spread is known: it is taken to be that of normal heights.
         """
-        sizes, course = np.abs(self.heights), side(course)
+        if not len(others):
+            return 0.0
+        sizes, rest = np.abs(self.heights), float(np.max(others))
         mean = float(np.mean(sizes))
         spread = _OF_ONE * mean
         if len(sizes) > 1:
             spread = float(np.std(sizes, ddof=1)) * students_deviation(len(sizes) - 1.0)
-        is_click = np.isin(np.arange(first, first + len(values)), self.places)
-        if np.all(is_click):
-            return 0.0
-        rest = float(np.max(side(values)[~is_click]))
         rows, edges = np.histogram(course, _LEVELS)
         levels = 0.5 * (edges[:-1] + edges[1:])
         value, above = normal_above()

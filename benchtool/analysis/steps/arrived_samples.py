@@ -268,10 +268,13 @@ class ArrivedSamples:
         is_level = self.at_rest or self._is_heavy
         if self.on_the_way is not None:  # on no level, with noise of its own
             open_to[: len(self.on_the_way.levels)] = False
+        if self._has_clicks_alone:
+            open_to &= ~self._is_click
         on_a_level = self._of_level(deviations[open_to], side) if is_level else 0.0
         of_clicks = 0.0
         if self.clicks is not None:
-            of_clicks = self.clicks.scatter_of_greatest(side, self.course, self.values, self.first)
+            rest = side(self.values[~self._is_click])
+            of_clicks = self.clicks.scatter_of_greatest(side, side(self.course), rest)
         return max(on_a_level, of_clicks, math.hypot(float(np.std(greatest)), _rms(self.of_course[tops])))
 
     def _of_level(self, deviations: Floats, side: Side) -> float:
@@ -330,8 +333,21 @@ class ArrivedSamples:
 
     @property
     def _is_heavy(self) -> bool:
-        """Whether the tails of the noise are heavier than normal ones."""
-        return self.noise.innovations is not None
+        """Whether the tails of the noise are heavier than normal ones, and not by known clicks alone."""
+        return self.noise.innovations is not None and not self._has_clicks_alone
+
+    @cached_property
+    def _has_clicks_alone(self) -> bool:
+        """Whether clicks, enough to tell their size, are all that is far from the others at rest."""
+        if self.clicks is None or not self.clicks.tell_their_size or not self.at_rest:
+            return False
+        return Noise.of(self._at_rest[~self._is_click[-self.at_rest :]]).innovations is None
+
+    @cached_property
+    def _is_click(self) -> NDArray[np.bool_]:
+        """Which of the values are known clicks, shape (n,)."""
+        places = () if self.clicks is None else self.clicks.places
+        return np.isin(np.arange(self.first, len(self.samples)), places)
 
     def _of_greatest_in_time(self, side: Side) -> float:
         """Return the rms change of the greatest of the values, seen from a side, with other times of the
