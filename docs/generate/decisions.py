@@ -177,7 +177,7 @@ SECTIONS: Final = (
         "Gain, offset, bandwidth, resolution, calibration and sample times of the instruments, in every "
         "number that they touch (`benchtool.analysis.sensors`).",
         """
-        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522
+        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522 0536
         """,
     ),
     Section(
@@ -269,7 +269,7 @@ SECTIONS: Final = (
         "When a level is known well enough that a step has numbers, and what the samples tell that have "
         "arrived at it (`benchtool.analysis.steps`).",
         """
-        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533
+        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533 0535
         0274 0309 0381 0499 0484 0523 0488 0437
         0210 0280 0334 0366 0364 0451 0471
         """,
