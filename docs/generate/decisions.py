@@ -177,7 +177,7 @@ SECTIONS: Final = (
         "Gain, offset, bandwidth, resolution, calibration and sample times of the instruments, in every "
         "number that they touch (`benchtool.analysis.sensors`).",
         """
-        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522 0536
+        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522 0534 0536
         """,
     ),
     Section(
@@ -193,7 +193,7 @@ SECTIONS: Final = (
         "The uncertainty of a mean or rms whose values are correlated, drift, cycle or wander "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0077 0124 0434 0146 0163 0247 0311 0508 0422 0218 0397 0534
+        0077 0124 0434 0146 0163 0247 0311 0508 0422 0218 0397
         0408 0443 0230 0290 0436 0445 0474 0500 0476 0493 0494 0495 0430
         0453
         """,
@@ -265,13 +265,19 @@ SECTIONS: Final = (
         """,
     ),
     Section(
-        "Step response: levels, drifts and samples that have arrived",
-        "When a level is known well enough that a step has numbers, and what the samples tell that have "
-        "arrived at it (`benchtool.analysis.steps`).",
+        "Step response: levels, rest and drifts",
+        "When a level is known well enough that a step has numbers, and from when on a signal is at rest "
+        "(`benchtool.analysis.steps`).",
         """
-        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533 0535
+        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533
         0274 0309 0381 0499 0484 0523 0488 0437
-        0210 0280 0334 0366 0364 0451 0471
+        """,
+    ),
+    Section(
+        "Step response: samples that have arrived",
+        "Plateau and tracking error, which are those of the samples (`benchtool.analysis.steps`).",
+        """
+        0210 0280 0334 0366 0364 0451 0471 0535
         """,
     ),
     Section(

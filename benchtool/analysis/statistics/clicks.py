@@ -92,14 +92,15 @@ class KnownClicks:
 
     def scatter_of_sum_of_squares(self, rows: int) -> float:
         """Return the standard deviation of the sum of their squares in so many rows."""
-        fourth = self.heights**4
+        largest = float(np.max(np.abs(self.heights)))
+        fourth = (self.heights / largest) ** 4
         expected = rows / self.rows * (float(np.sum(fourth)) + _JEFFREYS * float(np.mean(fourth)))
-        return math.sqrt(expected)
+        return largest * largest * math.sqrt(expected)
 
 
 def _deviation(values: Floats, below: Floats) -> float:
-    """Return the standard deviation of what is at most each of rising values, shape (n,), with the
-    probability `below`."""
+    """Return the standard deviation of a value by the probabilities `below` that it is at most each of rising
+    `values`, both of shape (n,)."""
     mass = np.diff(below, prepend=0.0)
     mean = float(mass @ values)
     return math.sqrt(float(mass @ (values - mean) ** 2))
