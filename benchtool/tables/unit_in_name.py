@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from benchtool.tables.head import Column
@@ -66,15 +67,17 @@ def unit_in_name(name: str, unit: str) -> str:
     (`Ia |mA| filtered`), or nothing.
 
     A letter alone is an index (i_s, u_h), but behind the time (time_s); and min at the beginning or within a
-    name a least value. What is said per division of a screen is no unit of the values.
+    name a least value. A part of a quotient or product of units is none (`rad` of `omega_rad_s`), and what is
+    said per division of a screen is no unit of the values.
     """
     name = name.strip()
     if _PER_DIVISION.search(name):
         return ""
     joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", name)
-    splits = [re.split(*each) for each in ((_BLANKS, name), (_JOINTS, name), (_JOINTS, joined))]
+    split = [re.split(*each) for each in ((_BLANKS, name), (_JOINTS, name), (_JOINTS, joined))]
+    splits = [_with_compounds(words, unit) for words in split]
     for words in splits:
-        for count, between in ((3, "/"), (2, "/"), (2, ""), (1, "")):
+        for count, between in ((2, "/"), (2, ""), (1, "")):
             if len(words) > count and (found := _joined(words[-count:], between, unit)):
                 return found
     if unit == "s" and _TIME_IN_SECONDS.fullmatch(name):
@@ -85,7 +88,8 @@ def unit_in_name(name: str, unit: str) -> str:
     glued = _GLUED[unit].fullmatch(splits[-1][-1]) if unit in _GLUED else None
     if glued is not None:
         return glued[1].lower()
-    words = [each for each in re.split(_NO_LETTERS, joined) if each.lower() not in _LIMITS]
+    words = _with_compounds(re.split(_NO_LETTERS, joined), unit)
+    words = [each for each in words if each.lower() not in _LIMITS]
     for end in range(len(words), 0, -1):
         for count, between in ((2, "/"), (2, ""), (1, "")):
             if found := _joined(words[max(0, end - count) : end], between, unit):
@@ -96,10 +100,11 @@ def unit_in_name(name: str, unit: str) -> str:
 def perhaps_in_name(name: str, unit: str) -> str:
     """Return what may be the unit in a name that has none of the kind of `unit`, or nothing.
 
-    It is one with nothing before it (`ImA`, which may also be phase m of motor A), in other capitals
-    (`i_ma`), with a prefix that is rare (`Ia_dA`), of another kind (`CH1 mV`), or with a number (`I 10mA`); a
-    word or sign of another scale (`torque_pu`, `iq_counts`, `M %`, `T/Tn`, `6077h`); or a few letters behind
-    a comma, or of another script, where units stand.
+    It is a quotient or product of units (`omega_rad_s` of an angle, `torque_Nm_per_s`), one with nothing
+    before it (`ImA`, which may also be phase m of motor A), in other capitals (`i_ma`), with a prefix that is
+    rare (`Ia_dA`), of another kind (`CH1 mV`), or with a number (`I 10mA`); a word or sign of another scale
+    (`torque_pu`, `iq_counts`, `M %`, `T/Tn`, `6077h`); or a few letters behind a comma, or of another script,
+    where units stand.
     """
     name = name.strip()
     for scale_in in _OTHER_SCALES:
@@ -112,6 +117,9 @@ def perhaps_in_name(name: str, unit: str) -> str:
     if match is not None and unit_factor(match[1], unit) is not None:
         return match[1]
     words = [each for each in re.split(_JOINTS, name) if each]
+    for compound in _with_compounds(words, unit):
+        if compound not in words and unit_factor(compound, unit) is None:
+            return compound
     last, scales = words[-1] if len(words) > 1 else "", _SCALES_OF_TIME if unit == "s" else _SCALES_OF_VALUES
     if unit in _OTHER_PREFIXES and _OTHER_PREFIXES[unit].fullmatch(last):
         return last
@@ -140,8 +148,13 @@ def name_before_unit(name: str) -> str:
 
 
 def name_before_last_unit(name: str) -> str:
-    """Return a name without a unit that is its last word: `Zeit s` is `Zeit`, `Iq_mA` is `Iq`; a letter
-    behind anything but a blank is an index (`i_s`)."""
+    """Return a name without a unit that is its last word, or words: `Zeit s` is `Zeit`, `Iq_mA` is `Iq`,
+    `omega_rad_s` is `omega`; a letter behind anything but a blank is an index (`i_s`)."""
+    parts = re.split(rf"({_BLANKS})", name.strip())
+    for count in (3, 2):
+        last = parts[::2][-count:]
+        if len(parts) > 2 * count and last[0] and len(_with_compounds(last, "")) == 1:
+            return "".join(parts[: -2 * count])
     match = _LAST_WORD.fullmatch(name.strip())
     is_one = (
         match is not None and is_unit(match["last"]) and (match["between"] != "_" or len(match["last"]) > 1)
@@ -161,13 +174,45 @@ def quantity_of(column: Column, unit: str) -> str:
     return name_before_last_unit(name_before_unit(bare)) if unit_in_name(bare, unit) == unit else bare
 
 
+def _with_compounds(words: list[str], unit: str) -> list[str]:
+    """Return words with those as one that are a quotient or a product of units, which is another unit than
+    its parts are: of `omega`, `rad`, `s` the last two are rad/s."""
+    found, place = [], 0
+    while place < len(words):
+        count, text = _compound(words[place : place + 3], unit)
+        found.append(text)
+        place += count
+    return found
+
+
+def _compound(words: list[str], unit: str) -> tuple[int, str]:
+    """Return how many of the first words are one, and that.
+
+    What is per a unit is a quotient. Where nothing says per, a letter alone is an index (`i_u_s`), unless it
+    is a unit by itself (`psi_V_s`) or that of m/s (`v_m_s`), and min behind an angle is its least value.
+    """
+    first, second, third = (*words, "", "")[:3]
+    if second.lower() == "per" and is_unit(third):
+        return 3, f"{first}/{third}"
+    quotient, product = f"{first}/{second}", f"{first}{second}"
+    turn = unit_factor(first, "rad")
+    is_least = second.lower() in _LIMITS and turn is not None and not math.isclose(turn, 2.0 * math.pi)
+    if not first or not second or is_least:
+        return 1, first
+    if is_unit(quotient) and (len(first) > 1 or first.isdigit()):
+        return 2, quotient
+    if quotient == "m/s" and unit == "rad/s":  # of any other kind they are indices
+        return 2, quotient
+    return (2, product) if all(map(is_unit, (first, second, product))) else (1, first)
+
+
 def _joined(words: list[str], between: str, unit: str) -> str:
     """Return words as one unit of the kind of `unit`, or nothing."""
-    kept = [each for each in words if each != "per"]
-    text = between.join(kept)
+    text = between.join(words)
     if len(text) < 2 and text.isalnum():
         return ""
-    # i_m_A is the magnetizing current of phase A; N m and milli amps are units
-    if len(kept) > 1 and not between and unit != "Nm" and len(kept[0]) < 2:
+    # i_m_A is the magnetizing current of phase A and T_m_Nm the motor's torque; N m and milli amps are units
+    is_index = len(words[0]) < 2 and (unit != "Nm" or unit_factor(words[-1], unit) is not None)
+    if len(words) > 1 and not between and is_index:
         return ""
     return text if unit_factor(text, unit) is not None else ""

@@ -51,6 +51,24 @@ def test_a_unit_may_stand_anywhere_in_a_name(name: str, si_unit: str, unit: str)
     assert unit_in_name(name, si_unit) == unit
 
 
+@pytest.mark.parametrize(
+    ("name", "si_unit", "unit", "perhaps"),
+    [
+        *(("omega_rad_s", "rad/s", "rad/s", ""), ("omega_rad_s", "rad", "", "rad/s")),
+        *(("speed_rad_s_filtered", "rad", "", "rad/s"), ("rad_s", "rad", "", "rad/s")),
+        *(("omega_deg_ms", "s", "", "deg/ms"), ("n_rev_min", "rad", "", "rev/min")),
+        *(("n_rev_min", "rad/s", "rev/min", ""), ("theta_deg_min", "rad", "deg", "")),
+        *(("torque_Nm_per_s", "Nm", "", "Nm/s"), ("probe_mV_per_A", "A", "", "mV/A")),
+        *(("psi_V_s", "Wb", "Vs", ""), ("psi_V_s", "V", "", "Vs"), ("v_m_s", "rad/s", "", "m/s")),
+        # indices: of a phase u or a magnetizing current in the stator's frame, and of a motor
+        *(("i_u_s", "A", "", ""), ("i_m_s", "A", "", ""), ("T_m_Nm", "Nm", "Nm", "")),
+    ],
+)
+def test_a_part_of_a_quotient_or_product_is_no_unit(name: str, si_unit: str, unit: str, perhaps: str) -> None:
+    assert unit_in_name(name, si_unit) == unit
+    assert unit or perhaps_in_name(name, si_unit) == perhaps
+
+
 @pytest.mark.parametrize("name", ["Ia（mA）", "Ia〔mA〕", "Strom (in mA)", "mA (phase a)"])
 def test_brackets_of_other_scripts_and_prepositions(tmp_path: Path, name: str) -> None:
     chosen = table(tmp_path, name).select("2", "A")
@@ -216,6 +234,11 @@ def test_a_scale_that_a_name_may_state_is_asked_for(name: str, si_unit: str, sca
 )
 def test_a_column_is_called_by_its_name_without_the_unit(tmp_path: Path, head: str, called: str) -> None:
     assert table(tmp_path, head).select(called, "A").number == 2
+
+
+@pytest.mark.parametrize("head", ["omega_rad_s", "omega_deg_per_s"])
+def test_a_speed_is_called_by_its_name_without_the_quotient(tmp_path: Path, head: str) -> None:
+    assert table(tmp_path, head).select("omega", "rad/s").number == 2
 
 
 def test_a_letter_behind_an_underscore_is_an_index(tmp_path: Path) -> None:
