@@ -18,7 +18,6 @@ from benchtool.tables.record import Record, time_base_of
 from benchtool.tables.remarks import (
     Remark,
     RemarkKind,
-    electrical,
     numbers_in_head,
     of_clock,
     of_signals,
@@ -30,9 +29,9 @@ from benchtool.tables.remarks import (
     other_speed,
     overdue,
     remarks,
-    units_assumed,
 )
 from benchtool.tables.sensed_columns import SIGNALS, bench_of_columns
+from benchtool.tables.unit_remarks import electrical, other_units, units_assumed, units_contradicted
 
 
 @dataclass(frozen=True)
@@ -88,6 +87,8 @@ def analyze_table(question: TableQuestion) -> TableAnswer:
         *other_head(columns.table.layout),
         *other_interval(columns.table.layout, record),
         *units_assumed(columns.chosen),
+        *units_contradicted(columns.chosen),
+        *other_units(record, columns.analyses, columns.chosen),
         *electrical(columns.chosen, question.pole_pairs),
         *of_clock(columns.clock, columns.chosen.get("time")),
         *of_tables(columns.joined),

@@ -30,7 +30,8 @@ def with_their_columns(
     of its analysis.
 
     Raises:
-        AnalysisError: no such analysis of columns alone, no such setting, no such column, or no unit.
+        AnalysisError: no such analysis of columns alone, no such setting, no such column, no unit, or two
+            units for one column.
     """
     found, resolved = dict(chosen), {}
     for name, settings in asked.items():
@@ -51,9 +52,23 @@ def with_their_columns(
             selection = selection or table.select(spec, next(iter(units)))
             same = (what for what, each in found.items() if each.number == selection.number)
             kinds[key] = next(same, f"{name} {key}")
+            _require_one_unit(selection, f"{name} {key}", found.get(kinds[key], selection), kinds[key])
             found.setdefault(kinds[key], selection)
         resolved[name] = {**settings, **kinds}
     return found, resolved
+
+
+def _require_one_unit(asked: Selection, what: str, chosen: Selection, other: str) -> None:
+    """Refuse a column that an analysis asks for in another unit, or with another gain, than it was chosen in.
+
+    Raises:
+        AnalysisError: the option of the analysis states the other unit.
+    """
+    if asked.unit_from == "option" and asked.scale != chosen.scale:
+        raise AnalysisError(
+            f"column {asked.number} '{asked.name}' is asked for in {chosen.scale_text} as {other}, and in "
+            f"{asked.scale_text} as {what}: one unit is expected, state the same or only the first"
+        )
 
 
 def known_analysis(name: str) -> Analysis[Any]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
@@ -25,26 +24,15 @@ from benchtool.profile import Bench, Instrument
 from benchtool.tables.cells import BLANKS
 from benchtool.tables.clocks import Clock
 from benchtool.tables.columns import QUANTITIES
-from benchtool.tables.head import Column, has_number, split
+from benchtool.tables.head import has_number, split
 from benchtool.tables.layout import Layout
 from benchtool.tables.phase_wiring import miswired
 from benchtool.tables.record import Record
 from benchtool.tables.regimes import regimes
 from benchtool.tables.selection import Selection
 from benchtool.tables.stale_rows import too_stale
-from benchtool.tables.units import is_listed
 
 _LARGEST_SLIP = 0.1  # an induction machine's at its rated load is less
-_OFTEN_IN: Mapping[str, tuple[str, str, str]] = {
-    "time": ("seconds were", "every frequency rests", "ms"),
-    "speed": ("rad/s was", "all of its numbers rest", "rpm"),
-    "angle": ("rad was", "every order rests", "deg"),
-}
-_ELECTRICAL = re.compile(
-    r"(?<![a-z])(?:el|elec\w*|elektr\w*|électr\w*|erpm)(?![a-z])"
-    r"|(?<![a-z])(?:theta|omega|phi|w|[θωφ])_?e(?:l|lec)?(?![a-z])",
-    re.IGNORECASE,
-)
 _LARGEST_DEVIATION = 0.01  # of a stated speed, from lines of its orders, or of a stated distance of rows
 
 
@@ -67,6 +55,8 @@ class RemarkKind(StrEnum):
     ANGLE_DEPARTS = "angle_departs"
     ELECTRICAL = "electrical"
     UNIT_ASSUMED = "unit_assumed"
+    UNIT_CONTRADICTED = "unit_contradicted"
+    OTHER_UNITS = "other_units"
     NUMBERS_IN_HEAD = "numbers_in_head"
     OTHER_HEAD = "other_head"
     OTHER_INTERVAL = "other_interval"
@@ -185,45 +175,6 @@ def other_interval(layout: Layout, record: Record) -> Iterator[Remark]:
         f"on which every frequency rests: state the unit of the time, or the rate, unless rows were left out"
     )
     yield Remark(RemarkKind.OTHER_INTERVAL, "time", text)
-
-
-def units_assumed(chosen: Mapping[str, Selection]) -> Iterator[Remark]:
-    """Yield that SI was assumed of a time, speed or angle without a unit, which often are in another one, and
-    of a column with words in brackets that are not known to describe one."""
-    for what, each in chosen.items():
-        if each.unit_from != "assumed":
-            continue
-        name, words = each.in_option, Column(each.name, "").in_brackets
-        if words and not is_listed(words):
-            text = (
-                f"'{words}' in the head of column '{name}' was taken for a description, and {each.si_unit} "
-                f"assumed: if it is a unit, state it, as --{what.partition('_')[0]} '{each.number}:UNIT*GAIN'"
-            )
-            yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
-        elif what in _OFTEN_IN:
-            taken, on_it, other = _OFTEN_IN[what]
-            text = (
-                f"the unit of the {what} '{name}' is not stated, {taken} taken, and {on_it} on that: state "
-                f"it, as --{what} '{name}:{other}'"
-            )
-            yield Remark(RemarkKind.UNIT_ASSUMED, what, text)
-
-
-def electrical(chosen: Mapping[str, Selection], pole_pairs: int | None) -> Iterator[Remark]:
-    """Yield that a speed or an angle is by its name an electrical one, where no gain makes it mechanical."""
-    for what in ("speed", "angle"):
-        each = chosen.get(what)
-        if each is None or each.gain != 1.0 or not _ELECTRICAL.search(each.name):
-            continue
-        of, pairs = each.in_option, pole_pairs or 4
-        effect = (
-            f"a mechanical one is smaller by the pole pairs: state the gain, as --speed "
-            f"'{of}:{each.unit}*{1.0 / pairs:.4g}' for {pairs}"
-            if what == "speed"
-            else "orders are counted in each of its turns, not in those of the shaft"
-        )
-        text = f"the {what} '{of}' is by its name electrical, and was taken as mechanical: {effect}"
-        yield Remark(RemarkKind.ELECTRICAL, what, text)
 
 
 def other_speed(record: Record) -> Iterator[Remark]:

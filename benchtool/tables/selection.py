@@ -38,7 +38,8 @@ class Selection:
     """A column that was asked for: `number` counts from 1, (cell x gain + offset) x factor is in `si_unit`.
 
     `unit_from` is "option", "head", or "assumed" where neither states anything, "size" where that of a time
-    tells it; `unit` is that of the value after gain and offset.
+    tells it; `unit` is that of the value after gain and offset. `unit_in_head` is set where the option states
+    another one of the same kind, and no gain that would lie between them.
     """
 
     number: int
@@ -49,11 +50,23 @@ class Selection:
     si_unit: str
     gain: float = 1.0
     offset: float = 0.0
+    unit_in_head: str = ""
 
     @property
     def in_option(self) -> str:
         """What an option calls it: its name or, of a column without one, its number."""
         return self.name or str(self.number)
+
+    @property
+    def scale(self) -> tuple[str, float, float, float]:
+        """What makes values in SI of the cells: unit, factor, gain and offset."""
+        return self.si_unit, self.factor, self.gain, self.offset
+
+    @property
+    def scale_text(self) -> str:
+        """The unit, with gain and offset, as an option states them."""
+        gain = "" if self.gain == 1.0 else f"*{self.gain:g}"
+        return f"{self.unit}{gain}{f'{self.offset:+g}' if self.offset else ''}"
 
 
 def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: float | None) -> Selection:
@@ -89,6 +102,7 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"--decimal ,"
         )
     unit, unit_from = _unit(column, si_unit)
+    unit_in_head = unit if unit_from == "head" and _differs(unit, stated, si_unit) else ""
     if stated.unit:
         unit, unit_from = stated.unit, "option"
     if stated.unit and "*" in stated.unit and unit_factor(unit, si_unit) is None:
@@ -133,7 +147,9 @@ def selection_of(path: Path, layout: Layout, wanted: str, si_unit: str, rated: f
             f"'{unit}' of column '{wanted}' may be rad/s, as its name says, or revolutions per second: state "
             f"it in the option, as '{wanted}:rad/s' or '{wanted}:rev/s'"
         )
-    return Selection(number + 1, column.name, unit, unit_from, factor, si_unit, stated.gain, stated.offset)
+    return Selection(
+        number + 1, column.name, unit, unit_from, factor, si_unit, stated.gain, stated.offset, unit_in_head
+    )
 
 
 def _unit(column: Column, si_unit: str) -> tuple[str, str]:
@@ -149,6 +165,16 @@ def _unit(column: Column, si_unit: str) -> tuple[str, str]:
     if named or column.stated_unit:
         return named or column.stated_unit, "head"
     return si_unit, "assumed"
+
+
+def _differs(unit: str, stated: Scaling, si_unit: str) -> bool:
+    """Return whether an option states another unit of the kind than `unit`, and no gain between them.
+
+    Of 1/s, which is two units, it states which.
+    """
+    factors = [unit_factor(each, si_unit) for each in (unit, stated.unit)]
+    are_open = is_reciprocal_second(unit) or stated.gain != 1.0 or not stated.unit
+    return not are_open and None not in factors and factors[0] != factors[1]
 
 
 def _unit_elsewhere(layout: Layout, si_unit: str) -> str:
