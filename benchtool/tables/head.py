@@ -23,6 +23,7 @@ _BRACKETS = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})")
 _BRACKETS_AT_END = re.compile(rf"\s*(?:{_IN_BRACKETS.pattern})\s*$")
 _RULE_SIGNS = frozenset("-=_+|:~* \t")
 _ASSIGNED = re.compile(r"[^=]+=[^=]*")
+_OF_ROWS = re.compile(r"(?:[xt#%]|time|zeit|temps|index|samples?)(?:[\W_].*)?", re.IGNORECASE)
 _CHANNEL = re.compile(r"[0-9]{1,3}")
 _DATE = re.compile(r"[0-9]{1,4}[-/.][0-9]{1,2}[-/.][0-9]{1,4}")
 _REMARKS = frozenset(
@@ -174,15 +175,21 @@ def _columns(found: Sequence[list[str]]) -> tuple[Column, ...]:
             Column(name, unit.strip("()[] "), other_name=unit)
             for name, unit in zip(found[1], found[0], strict=True)
         )
-    return _named(found[0], [_unit_in(name) for name in found[0]], [])
+    return tuple(Column(name, _unit_in(name).strip("()[] ")) for name in found[0])
 
 
 def _named(names: Sequence[str], units: Sequence[str], others: Sequence[Sequence[str]]) -> tuple[Column, ...]:
-    """Return columns by their names and units, and other lines that name them as well."""
+    """Return columns by their names and units, and other lines that name them as well, as does a word among
+    the units."""
     # a title with commas is none
     lines = list(filter(_are_plain, others))
     return tuple(
-        Column(name, unit.strip("()[] "), aliases=tuple(line[place] for line in lines if line[place]))
+        Column(
+            name,
+            unit.strip("()[] "),
+            other_name="" if _is_unit_cell(unit) or _BRACKETED.fullmatch(unit) else unit,
+            aliases=tuple(line[place] for line in lines if line[place]),
+        )
         for place, (name, unit) in enumerate(zip(names, units, strict=True))
     )
 
@@ -212,7 +219,10 @@ def _lines_of_names(
     preamble: Sequence[str], delimiter: str, used: int, width: int, *, is_labelled: bool
 ) -> list[list[str]]:
     """Return the cells of the lines that may have names or units of the columns, the last line first, or
-    those of a line of nothing but numbers if there are no other ones."""
+    those of a line of nothing but numbers if there are no other ones.
+
+    A label and numbers beneath a line of names are a setting (`scale,2,1`); without one above they are names.
+    """
     found: list[list[str]] = []
     numbers: list[list[str]] = []
     lengths_of_values: set[int] = set()
@@ -224,9 +234,15 @@ def _lines_of_names(
             cells[0] = line.lstrip()[0]  # the sign is a name: #,t,i
         if cells is not None and not _are_values(cells[:used]):
             (numbers if all(has_number(cell) for cell in cells if cell) else found).append(cells)
+        elif cells is not None and found and all(map(_is_setting, (cells, *found))):
+            continue
         elif (found or numbers) and not is_labelled:
             break
-    return found or numbers[:1]
+    names = (place for place, cells in enumerate(found) if _are_names(cells) and not are_units(cells))
+    above = 0 if is_labelled else next(names, 0)
+    return [each for place, each in enumerate(found) if place >= above or not _is_setting(each)] or numbers[
+        :1
+    ]
 
 
 def _fitted_to(
@@ -367,6 +383,13 @@ def _are_values(cells: Sequence[str]) -> bool:
     numbers = [cell for cell in cells if has_number(cell)]
     are_counted = all(_CHANNEL.fullmatch(cell) for cell in numbers) and len(set(numbers)) == len(numbers)
     return not are_counted or any(_DATE.fullmatch(cell) or is_stamp(cell) for cell in cells)
+
+
+def _is_setting(cells: Sequence[str]) -> bool:
+    """Return whether a line may be a label and the numbers that it states of the other columns; behind the
+    name of a time or an axis they are names."""
+    is_label = bool(cells[0]) and not has_number(cells[0]) and _OF_ROWS.fullmatch(cells[0]) is None
+    return is_label and any(cells[1:]) and all(has_number(cell) for cell in cells[1:] if cell)
 
 
 def _are_names(cells: Sequence[str]) -> bool:

@@ -33,9 +33,10 @@ _SAMPLE_BYTES = 32 * 1024
 _WHOLE = re.compile(r"[0-9]+")
 _FACTORS = re.compile(
     r"\W*(?:(?:scal(?:e|ing)|conversion|calibration)?[ _]?(?:fa[ck]t(?:eu|o)r(?:s|en)?|gains?|multipliers?)"
-    r"|scaling|slope|sensitivity|skalierung|verstärkung|empfindlichkeit)\W*",
+    r"|scal(?:e|ing)|slope|sensitivity|skalierung|verstärkung|empfindlichkeit)\W*",
     re.IGNORECASE,
 )
+_OFFSETS = re.compile(r"\W*(?:offsets?|bias|versatz|nullpunkt)\W*", re.IGNORECASE)
 _ZEROS_FIRST = re.compile(r"0[0-9]+")
 _FEW = 0.05  # of the cells of a column
 
@@ -50,8 +51,9 @@ class Layout:
     letters or more in cells beside and below the numbers. `head_numbers` is the last line of numbers right
     above the rows that was taken for one of the head.
     `signals` is the number of a column, from 1, that says which signal each row has, 0 without one;
-    `is_number_first` is whether the first column is one of numbers. `head_factors` is a line of the head
-    that by its first cell states factors, `row_distance` what it states of the distance of rows in time.
+    `is_number_first` is whether the first column is one of numbers. `head_factors` are the lines of the
+    head that by their first cells state factors or offsets, but for `head_numbers`, `row_distance` what it
+    states of the distance of rows in time.
     """
 
     delimiter: str
@@ -65,7 +67,7 @@ class Layout:
     head_numbers: str = ""
     signals: int = 0
     is_number_first: bool = False
-    head_factors: str = ""
+    head_factors: tuple[str, ...] = ()
     row_distance: RowDistance | None = None
 
     def with_units(self, units: Sequence[str]) -> Layout:
@@ -152,7 +154,11 @@ def find_layout(text: bytes, source: str, decimal: str = "", *, timed: bool = Tr
         signals=signal_column(in_rows, fit.numeric),
         is_number_first=fit.numeric[0],
         row_distance=row_distance(settings, stating, fit.delimiter),
-        head_factors=next(filter(lambda line: _are_factors(split(line, fit.delimiter)), in_head), ""),
+        head_factors=tuple(
+            line
+            for line in in_head
+            if bare_line(line)[:80] != above.numbers and _are_factors(split(line, fit.delimiter))
+        ),
     )
 
 
@@ -296,10 +302,12 @@ def _is_whole(cells: Sequence[str]) -> bool:
 
 
 def _are_factors(cells: Sequence[str]) -> bool:
-    """Return whether a line is one of factors by its first cell, at least one other than 1."""
-    numbers = [cell.replace(",", ".") for cell in cells[1:] if has_number(cell)]
-    is_named = bool(cells) and _FACTORS.fullmatch(cells[0]) is not None
-    return is_named and any(float(each) not in (0.0, 1.0) for each in numbers)
+    """Return whether a line is one of factors by its first cell, at least one other than 1, or of offsets."""
+    label = cells[0] if cells else ""
+    numbers = {cell.replace(",", ".") for cell in cells[1:] if has_number(cell) and not is_stamp(cell)}
+    if _OFFSETS.fullmatch(label):
+        return any(float(each) != 0.0 for each in numbers)
+    return _FACTORS.fullmatch(label) is not None and any(float(each) not in (0.0, 1.0) for each in numbers)
 
 
 def _is_stamped(cells: Sequence[str]) -> bool:

@@ -136,7 +136,7 @@ def of_signals(measurements: Sequence[Measurement]) -> Iterator[Remark]:
 
 def numbers_in_head(layout: Layout) -> Iterator[Remark]:
     """Yield that a line of numbers right above the rows was taken for one of the head, and that one of the
-    head states factors."""
+    head states factors or offsets."""
     if layout.head_numbers:
         text = (
             f"'{layout.head_numbers}' was taken for a line of the head: it does not continue the rows below, "
@@ -145,9 +145,10 @@ def numbers_in_head(layout: Layout) -> Iterator[Remark]:
         )
         yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
     if layout.head_factors:
+        lines = " and ".join(f"'{line:.60}'" for line in layout.head_factors)
         text = (
-            f"the head has the line '{layout.head_factors:.60}', and the cells were taken as they are: if "
-            f"they are to be multiplied by it, state the gain, as --current '2:A*0.01'"
+            f"the head states {lines}, and the cells were taken as they are: if that is to be applied, state "
+            f"the gain and the offset, as --current '2:A*0.01-0.2'"
         )
         yield Remark(RemarkKind.NUMBERS_IN_HEAD, "", text)
 

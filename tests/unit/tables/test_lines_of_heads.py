@@ -88,6 +88,34 @@ def test_a_head_that_lacks_a_name_above_rows_without_numbers_names_nothing(tmp_p
         table(tmp_path, "t;I\n").select("t", "s")
 
 
+@pytest.mark.parametrize("order", [("offset;0.5;0", "scale;2;1"), ("scale;2;1", "offset;0.5;0")])
+@pytest.mark.parametrize("names", ["t;I;T\n", "t;I;T\ns;A;Nm\n"])
+def test_settings_beneath_the_names_are_none_and_are_told(
+    tmp_path: Path, order: tuple[str, str], names: str
+) -> None:
+    """`scale` was the name of the time, and 2 that of the current."""
+    found = table(tmp_path, names + "".join(f"{line}\n" for line in order))
+    assert [each.name for each in found.layout.columns] == ["t", "I", "T"]
+    answer = analyze_table(TableQuestion(tmp_path / "table.csv", "t:s", {"current": "I:A"}))
+    assert answer.source["rows_read"] == 64
+    texts = [each.text for each in answer.remarks if each.kind == RemarkKind.NUMBERS_IN_HEAD]
+    assert all(any(f"'{line}'" in text and "state the gain" in text for text in texts) for line in order)
+
+
+@pytest.mark.parametrize("head", ["t;1;2\n", "Module;A1;A2\nTime;1;2\n", "Time;1;2\ns;A;Nm\n"])
+def test_numbers_behind_the_name_of_a_time_are_names(tmp_path: Path, head: str) -> None:
+    names = [each.name for each in table(tmp_path, head).layout.columns]
+    assert names[1:] == ["1", "2"]
+    assert names[0] in ("t", "Time")
+
+
+@pytest.mark.parametrize("head", ["X;CH1;CH2\nSequence;Volt;Volt\n", "Sequence;Volt;Volt\nX;CH1;CH2\n"])
+def test_a_word_among_units_is_another_name(tmp_path: Path, head: str) -> None:
+    found = table(tmp_path, head)
+    assert [found.select(name, "s").number for name in ("Sequence", "X:s")] == [1, 1]
+    assert found.select("CH2", "V").unit == "Volt"
+
+
 def test_names_in_quotation_marks_between_blanks(tmp_path: Path) -> None:
     path = tmp_path / "table.txt"
     path.write_text('"time s" "phase current" T\n' + ROWS.replace(";", " "), encoding="utf-8")
