@@ -21,6 +21,7 @@ from benchtool.tables.lost import Lost
 from benchtool.tables.stale_rows import repeating_rows, stale_rows, too_stale
 from benchtool.tables.time_base import TimeBase, time_base
 
+_AT_REST = 0.1  # of the speed in the other rows
 _LEAST_STRETCH = 0.25  # of the rows: mean and ripple of a shorter one do not stand for the record
 
 
@@ -98,7 +99,7 @@ class Record:
 
     @cached_property
     def lost_angle(self) -> NDArray[np.bool_]:
-        """Which of the rows have an angle that stood still though the rotor turned, shape (n,)."""
+        """Which of the rows have an angle that stood still of a sudden, shape (n,)."""
         if "angle" in self.channels:
             try:
                 return held_angle(unwrapped_angle(self.column("angle"), self.channels["angle"].name))
@@ -114,8 +115,23 @@ class Record:
         first, count = int(np.argmax(self.lost_angle)), int(np.count_nonzero(self.lost_angle))
         return (
             f"'{self.channels['angle'].name}' stands still from row {first} (from 0) on, in "
-            f"{count_of(count, 'row')} in all, while the rotor turned (its sensor or its link was lost)"
+            f"{count_of(count, 'row')} in all, {self._rotor_there}"
         )
+
+    @property
+    def _rotor_there(self) -> str:
+        """What the rotor did while the angle stood still: a speed may say that it stood as well, which
+        without one is told by how abruptly the angle stops."""
+        if "speed" in self.channels:
+            speed_rad_s = np.abs(self.column("speed"))
+            there = float(np.median(speed_rad_s[self.lost_angle]))
+            if not np.all(self.lost_angle) and there < _AT_REST * np.median(speed_rad_s[~self.lost_angle]):
+                mean_rad_s = float(np.mean(self.column("speed")[self.lost_angle]))
+                return (
+                    f"and by '{self.channels['speed'].name}', whose mean there is {mean_rad_s:.3g} rad/s, so "
+                    f"did the rotor"
+                )
+        return "while the rotor turned (its sensor or its link was lost)"
 
     @cached_property
     def restored(self) -> Record:

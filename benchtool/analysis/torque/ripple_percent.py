@@ -16,7 +16,7 @@ _SIGNIFICANT = 5.0  # standard uncertainties of the mean, from which a ratio to 
 def no_base(mean: Measurement, peak_to_peak: float, name: str) -> str:
     """Return why no percentage of the mean is given; empty if the mean is far enough from zero.
 
-    A mean of unknown uncertainty may be zero where the ripple about it reaches zero.
+    Of a mean of unknown uncertainty it is not known how much of a ripple that reaches zero is in it.
     """
     size = abs(mean.value)
     if size <= _SMALLEST_MEAN * peak_to_peak:
@@ -24,7 +24,8 @@ def no_base(mean: Measurement, peak_to_peak: float, name: str) -> str:
     if mean.uncertainty is None and size <= 0.5 * peak_to_peak:
         return (
             f"the mean {name} of {mean.value:.3g} {mean.unit} has no uncertainty and is less than half of "
-            f"its ripple of {peak_to_peak:.3g} {mean.unit} peak to peak, so that it may be zero"
+            f"its ripple of {peak_to_peak:.3g} {mean.unit} peak to peak: how much of that is in the mean is not "
+            f"known, an angle or a speed that tells its periods is expected"
         )
     if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
         return (

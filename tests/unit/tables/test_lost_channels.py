@@ -90,3 +90,22 @@ def test_three_phases_of_which_one_was_lost_have_no_sequences(tmp_path: Path) ->
     assert warned(found) == ["current_b"]
     positive = numbers(found)["current_sequence_positive"]
     assert positive.reason.startswith("'current_b': 200 samples in a row")
+
+
+@pytest.mark.parametrize(("speed_rad_s", "is_lost"), [(0.0, False), (100.0, True)])
+def test_a_speed_says_whether_the_rotor_stood_as_well(
+    tmp_path: Path, speed_rad_s: float, is_lost: bool
+) -> None:
+    """A rotor that a brake stops between two rows was told to have lost its sensor."""
+    time_s, is_there = np.arange(ROWS) / RATE_HZ, np.arange(ROWS) >= 700
+    angle = np.mod(100.0 * np.minimum(time_s, time_s[700]), 2.0 * np.pi)
+    noise = 0.1 * np.random.default_rng(7).standard_normal(ROWS)
+    columns = (time_s, angle, np.where(is_there, speed_rad_s, 100.0) + noise, 1.0 + noise)
+    path = tmp_path / "rest.csv"
+    head = "time_s,angle_rad,speed_rad_s,torque_Nm"
+    np.savetxt(path, np.column_stack(columns), "%.6f", ",", header=head, comments="")
+    asked = {"angle": "2", "speed": "3", "torque": "4"}
+    found = analyze_table(TableQuestion(path, "1", asked))
+    (text,) = (each.text for each in found.remarks if each.kind is RemarkKind.STOOD_STILL)
+    assert ("while the rotor turned (its sensor or its link was lost)" in text) == is_lost
+    assert ("and by 'speed_rad_s', whose mean there is" in text) != is_lost

@@ -60,6 +60,7 @@ def test_a_mean_without_an_uncertainty_is_no_base_where_the_ripple_reaches_zero(
     for name in ("torque_ripple_percent_of_mean", "torque_ripple_rms_percent_of_mean"):
         assert math.isnan(of_zero[name].value)
         assert "less than half of its ripple of 1 Nm peak to peak" in of_zero[name].reason
+        assert "how much of that is in the mean is not known" in of_zero[name].reason
         assert of_more[name].value > 0.0
     assert numbers(mean + 0.5 * np.sin(angle(5000)), track(5000))["torque_ripple_percent_of_mean"].value > 0.0
 
