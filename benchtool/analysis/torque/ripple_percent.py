@@ -24,8 +24,8 @@ def no_base(mean: Measurement, peak_to_peak: float, name: str) -> str:
     if mean.uncertainty is None and size <= 0.5 * peak_to_peak:
         return (
             f"the mean {name} of {mean.value:.3g} {mean.unit} has no uncertainty and is less than half of "
-            f"its ripple of {peak_to_peak:.3g} {mean.unit} peak to peak: how much of that is in the mean is not "
-            f"known, an angle or a speed that tells its periods is expected"
+            f"its ripple of {peak_to_peak:.3g} {mean.unit} peak to peak: how much of that is in the mean is "
+            f"not known, an angle or a speed that tells its periods is expected"
         )
     if mean.uncertainty is not None and size < _SIGNIFICANT * mean.uncertainty.standard:
         return (
