@@ -30,8 +30,8 @@ def with_their_columns(
     of its analysis.
 
     Raises:
-        AnalysisError: no such analysis of columns alone, no such setting, no such column, no unit, or two
-            units for one column.
+        AnalysisError: no such analysis of columns alone, no such setting, no such column, no unit, two units
+            for one column, or the time.
     """
     found, resolved = dict(chosen), {}
     for name, settings in asked.items():
@@ -52,6 +52,11 @@ def with_their_columns(
             selection = selection or table.select(spec, next(iter(units)))
             same = (what for what, each in found.items() if each.number == selection.number)
             kinds[key] = next(same, f"{name} {key}")
+            if kinds[key] == "time":
+                raise AnalysisError(
+                    f"column {selection.number} '{selection.name}' is the time, and asked for as {name} "
+                    f"{key}: another column is expected"
+                )
             _require_one_unit(selection, f"{name} {key}", found.get(kinds[key], selection), kinds[key])
             found.setdefault(kinds[key], selection)
         resolved[name] = {**settings, **kinds}

@@ -61,6 +61,13 @@ def test_two_units_for_one_column_are_refused(tmp_path: Path, unit: str) -> None
         analyze_table(question)
 
 
+def test_the_time_is_no_signal(tmp_path: Path) -> None:
+    asked = {"step": {"signal": "t", "reference": "3:Nm"}}
+    question = TableQuestion(table(tmp_path, "t [s],T,x"), "t", {"torque": "2"}, analyses=asked)
+    with pytest.raises(AnalysisError, match=r"'t \[s\]' is the time, and asked for as step signal"):
+        analyze_table(question)
+
+
 @pytest.mark.parametrize(
     ("gain", "pair"),
     [
