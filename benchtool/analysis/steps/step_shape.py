@@ -22,6 +22,7 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.treads import answered_tread, long_tread
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
 from benchtool.block import Block
@@ -35,11 +36,6 @@ TAIL = 0.1
 HELD = 0.02
 """Of the height: how near its greatest value a reference counts as held there."""
 
-_WAY = HELD, 1.0 - 0.5 * HELD  # of the height: between these a step is in transition
-_LANDING = 0.03  # of the height: a band in which it spends little time
-_DWELL = 0.2  # of the way: more than a ramp (0.03) spends in such a band; an exponential only at its end
-_FASTER = 3.0  # times the usual speed in the band: above it, where the way goes on from a rest
-_FEWEST_ON_THE_WAY = 6  # samples; fewer show no landing
 _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75
 _AT_REST = 1e-3  # of the height: smaller deviations are not a transition
@@ -203,6 +199,9 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
     earlier = _earlier(block, held=held) * float(r[row] - r[row - 1]) / (greatest - before)
     held_rows, first = even_hold(y)
     y, r = y[first::held_rows], r[first::held_rows]
+    way, answer = ((each - before) / (greatest - before) for each in (r, y))
+    if (level := answered_tread(way, answer)) is not None:
+        raise _is_staircase(sign, before, level, greatest, reference, unit)
     instant = (begin + zero - first) / held_rows
     begin = math.ceil((begin - first) / held_rows)
     if begin >= len(y):
@@ -367,27 +366,15 @@ def _require_one_step(sign: float, r: Floats, before: float, greatest: float, na
             f"'{name}' goes by {greatest - before:.4g} {unit} one way and by "
             f"{-least * (greatest - before):.4g} {unit} the other, a single step is needed: record one"
         )
-    begin = int(np.flatnonzero(way[: int(np.argmax(way)) + 1] <= _WAY[0])[-1])
-    end = int(np.argmax(way >= _WAY[1]))
-    if (landing := _landing(way[begin + 1 : end])) is not None:
-        raise AnalysisError(
-            f"'{name}' rests near {sign * (before + landing * (greatest - before)):.4g} {unit} on its way to "
-            f"{sign * greatest:.4g} {unit}, a single step is needed: record each step of a staircase by "
-            f"itself"
-        )
+    if (level := long_tread(way)) is not None:
+        raise _is_staircase(sign, before, level, greatest, name, unit)
 
 
-def _landing(way: Floats) -> float | None:
-    """Return the level at which much of the way up is spent and from which it goes on faster; None where
-    there is none, as where a way slows down towards its end."""
-    if len(way) < _FEWEST_ON_THE_WAY:
-        return None
-    ordered = np.sort(way)
-    within = np.searchsorted(ordered, ordered + _LANDING, side="right") - np.arange(len(ordered))
-    above = len(ordered) - np.arange(len(ordered)) - within
-    left = _WAY[1] - ordered - _LANDING
-    rests = (within > _DWELL * len(way)) & (left * within > _FASTER * _LANDING * above) & (left >= _LANDING)
-    if not np.any(rests):
-        return None
-    first = int(np.argmax(within * rests))
-    return float(np.median(ordered[first : first + int(within[first])]))
+def _is_staircase(
+    sign: float, before: float, level: float, greatest: float, name: str, unit: str
+) -> AnalysisError:
+    """Return the refusal of a reference with a tread at a `level` of its way."""
+    return AnalysisError(
+        f"'{name}' rests near {sign * (before + level * (greatest - before)):.4g} {unit} on its way to "
+        f"{sign * greatest:.4g} {unit}, a single step is needed: record each step of a staircase by itself"
+    )
