@@ -27,7 +27,7 @@ from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.estimated_response import NEPER_DB, FrequencyResponse
 from benchtool.analysis.responses.frequency_response import frequency_response
 from benchtool.analysis.responses.gain_at_rest import gain_at_rest
-from benchtool.analysis.responses.margins import margins
+from benchtool.analysis.responses.margins import Loop, loop_of, margins
 from benchtool.analysis.responses.response_curve import Point, ResponseCurve
 from benchtool.analysis.responses.response_delay import response_delay
 from benchtool.analysis.sensitivity import NO_SENSORS, SIGNED_AND_MEASURED_AGAIN
@@ -52,7 +52,7 @@ Floats = NDArray[np.float64]
 class Bode:
     """Result of `analyze_response`: the response of channel `output` to channel `input`, and its numbers.
 
-    `gain_unit` is that of the gain, empty for a pure number.
+    `gain_unit` is that of the gain, empty for a pure number; `loop` what the response is of the loop.
     """
 
     input: str
@@ -61,6 +61,7 @@ class Bode:
     response: FrequencyResponse
     measurements: tuple[Measurement, ...]
     tables: tuple[Table, ...]
+    loop: Loop = Loop.CLOSED
 
 
 def analyze_response(
@@ -96,11 +97,13 @@ def analyze_response(
     require_unbroken(block)
     rows = slice(begin_row, end_row)
     by = "" if stimulus is None or stimulus == input else stimulus
+    x, y = block.column(input)[rows], block.column(output)[rows]
+    r = block.column(by)[rows] if by else None
     found = frequency_response(
-        block.column(input)[rows],
-        block.column(output)[rows],
+        x,
+        y,
         block.sample_rate_Hz,
-        stimulus=block.column(by)[rows] if by else None,
+        stimulus=r,
         period=period_rows,
         names=(input, output, by),
     )
@@ -123,8 +126,9 @@ def analyze_response(
         gaps=0,
     )
     unit = ratio_of_units(block.unit(output), block.unit(input))
-    measurements = tuple(_measurements(found, unit, basis))
-    return Bode(input, output, unit, found, measurements, (_table(found, unit, basis),))
+    loop = loop_of(x, y, r)
+    measurements = tuple(_measurements(found, unit, basis, loop))
+    return Bode(input, output, unit, found, measurements, (_table(found, unit, basis),), loop)
 
 
 def _why_none(found: FrequencyResponse, input: str, output: str, stimulus: str) -> str:
@@ -145,7 +149,7 @@ def _why_none(found: FrequencyResponse, input: str, output: str, stimulus: str) 
     )
 
 
-def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator[Measurement]:
+def _measurements(found: FrequencyResponse, unit: str, basis: Basis, loop: Loop) -> Iterator[Measurement]:
     trusted = found.trusted.copy()
     trusted[: found.reference] = False  # below it no gain is accurate
     frequency_Hz, error = found.frequency_Hz[trusted], found.error_of_many[trusted]
@@ -210,7 +214,7 @@ def _measurements(found: FrequencyResponse, unit: str, basis: Basis) -> Iterator
             sensitivities=NO_SENSORS,
         )
     if not unit:
-        yield from margins(frequency_Hz, response, error, basis, shared)
+        yield from margins(frequency_Hz, response, error, basis, shared, loop)
 
 
 def _frequency(name: str, definition: str, found: Point | None, reason: str, basis: Basis) -> Measurement:
@@ -383,7 +387,8 @@ FREQUENCY_RESPONSE: Final = Analysis(
             ("crossover",),
             "Hz",
             "of a response of one unit, `T`: lowest frequency at which the open loop `L = T / (1 - T)`, "
-            "unity feedback, has the gain 1; read above the frequencies at which noise hides `1 - T`",
+            "unity feedback, has the gain 1; read above the frequencies at which noise hides `1 - T`. Where "
+            "the record shows that the input is the stimulus less the output, the response is `L`",
         ),
         Quantity(
             ("phase_margin",),

@@ -1,13 +1,15 @@
 """Stability margins of a loop from the response of the controlled quantity to its reference.
 
 With unity feedback the closed loop is T = L / (1 + L), so that the open loop is L = T / (1 - T), and the
-sensitivity S = 1 / (1 + L) = 1 - T (Åström and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1).
+sensitivity S = 1 / (1 + L) = 1 - T (Åström and Murray, Feedback Systems, 2nd ed., 10.3 and 12.1). Of the
+control error, which is the stimulus less the controlled quantity, the response is L itself.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,32 +32,57 @@ _KNOWN = 4.0  # standard uncertainties of 1 - T: its angle is known to a quarter
 _CLEARLY = 2.0  # standard uncertainties
 _FEWEST = 5  # frequencies of an open loop
 _OF_OPEN_LOOP = {
-    "crossover": ("Hz", "lowest frequency at which the open loop T / (1 - T) has the gain 1"),
+    "crossover": ("Hz", "lowest frequency at which the open loop has the gain 1"),
     "phase_margin": ("deg", "180 degrees + phase of the open loop at crossover"),
     "gain_margin": (
         "dB",
         "gain of the open loop below 1 at the lowest frequency where its phase falls to -180 degrees",
     ),
 }
+_IS_ERROR = 0.2  # of the input and of the output: what the error differs from the input by, at most
 _SOURCE = "random error of the response, propagated to the open loop"
+
+
+class Loop(Enum):
+    """What a response is of the loop that it is measured in; the value is how its definitions say it."""
+
+    CLOSED = "; the response is the closed loop T, the open loop T / (1 - T)"
+    OPEN = "; the response is the open loop L, the input being the stimulus less the output; T = L / (1 + L)"
+
+
+def loop_of(x: Floats, y: Floats, stimulus: Floats | None) -> Loop:
+    """Return whether the response of `y` to `x` is that of the open loop, by their samples and those of the
+    stimulus, each of shape (n,): it is where the input is the stimulus less the output, to within rounding
+    and noise."""
+    if stimulus is None:
+        return Loop.CLOSED
+    left = float(np.std(stimulus - y - x))
+    return Loop.OPEN if left < _IS_ERROR * min(float(np.std(x)), float(np.std(y))) else Loop.CLOSED
 
 
 def margins(
     frequency_Hz: Floats,
-    closed: NDArray[np.complex128],
+    response: NDArray[np.complex128],
     error: Floats,
     basis: Basis,
     shared: Floats | None = None,
+    loop: Loop = Loop.CLOSED,
 ) -> Iterator[Measurement]:
     """Yield the crossover, phase margin, gain margin and greatest sensitivity of the loop behind a response.
 
-    `closed` is the response of the controlled quantity to its reference, shape (n,), a pure number, `error`
-    its standard uncertainty relative to it, along it and across it, as if uncorrelated; `shared` of them each
-    tell as much as one.
+    `response` is that of the controlled quantity to its reference, or as `loop` says, to the control error,
+    shape (n,), a pure number, `error` its standard uncertainty relative to it, along it and across it, as if
+    uncorrelated; `shared` of them each tell as much as one.
 
     Below the crossover 1 - T is small, and where noise hides it the open loop has any phase: it is read from
     the frequency on above which 1 - T is known.
     """
+    closed = response
+    if loop is Loop.OPEN:
+        closed, error = (
+            response / (1.0 + response),
+            error / np.abs(1.0 + response),
+        )  # dT / T = dL / (L (1 + L))
     sensitivity = 1.0 - closed
     shared = np.ones(len(closed)) if shared is None else shared
     magnitude = np.maximum(np.abs(sensitivity), _LEAST)
@@ -71,36 +98,49 @@ def margins(
             (error / magnitude)[first:],  # dL / L = dT / (T (1 - T))
             shared[first:],
             basis,
+            loop,
         )
     else:
         reason = (
             f"noise hides 1 - T up to {raw(frequency_Hz[-1], 4)} Hz: raise the stimulus, or record longer"
         )
-        for name, (unit, text) in _OF_OPEN_LOOP.items():
+        for name in _OF_OPEN_LOOP:
+            unit, text = _of_open(name, loop)
             yield Measurement.undefined(name, unit, text, reason, basis)
-    yield _sensitivity_peak(frequency_Hz, closed, error, shared, basis)
+    yield _sensitivity_peak(frequency_Hz, closed, error, shared, basis, loop)
+
+
+def _of_open(name: str, loop: Loop) -> tuple[str, str]:
+    """Return the unit and the definition of a number that is read from the open loop."""
+    unit, text = _OF_OPEN_LOOP[name]
+    return unit, text + loop.value
 
 
 def _of_open_loop(
-    frequency_Hz: Floats, opened: NDArray[np.complex128], spread: Floats, shared: Floats, basis: Basis
+    frequency_Hz: Floats,
+    opened: NDArray[np.complex128],
+    spread: Floats,
+    shared: Floats,
+    basis: Basis,
+    loop: Loop,
 ) -> Iterator[Measurement]:
     """Yield what is read from the open loop and its relative errors, all of shape (n,)."""
     gain = ResponseCurve.of_gain(frequency_Hz, opened, spread, _SMALL_DB, shared)
     phase = ResponseCurve.of_phase(frequency_Hz, opened, spread, _SMALL_RAD, shared)
 
-    unit, text = _OF_OPEN_LOOP["crossover"]
+    unit, text = _of_open("crossover", loop)
     crossover = gain.falls_to(0.0)
     reason = _why_not(crossover, frequency_Hz, "its gain stays above 1")
     if crossover is None or reason:
         yield Measurement.undefined("crossover", unit, text, reason, basis)
-        unit, text = _OF_OPEN_LOOP["phase_margin"]
+        unit, text = _of_open("phase_margin", loop)
         yield Measurement.undefined("phase_margin", unit, text, reason, basis)
     else:
         uncertain = Uncertainty(crossover.standard_Hz, _SOURCE)
         yield Measurement("crossover", crossover.frequency_Hz, unit, text, basis, uncertain)
         angle, angle_error = phase.at(crossover.frequency_Hz)
         along = phase.slope_at(crossover.frequency_Hz) * crossover.standard_Hz
-        unit, text = _OF_OPEN_LOOP["phase_margin"]
+        unit, text = _of_open("phase_margin", loop)
         uncertain = Uncertainty(math.degrees(math.hypot(angle_error, along)), _SOURCE)
         margin = math.remainder(180.0 + math.degrees(angle), 360.0)
         if (again_Hz := gain.rises_again_to(0.0)) is not None:
@@ -112,7 +152,7 @@ def _of_open_loop(
                 "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
             )
 
-    unit, text = _OF_OPEN_LOOP["gain_margin"]
+    unit, text = _of_open("gain_margin", loop)
     if crossover is not None and not reason:
         first, turns = _branch(frequency_Hz, opened, crossover.frequency_Hz)
         above = slice(first, None)
@@ -149,7 +189,12 @@ def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: 
 
 
 def _sensitivity_peak(
-    frequency_Hz: Floats, closed: NDArray[np.complex128], error: Floats, shared: Floats, basis: Basis
+    frequency_Hz: Floats,
+    closed: NDArray[np.complex128],
+    error: Floats,
+    shared: Floats,
+    basis: Basis,
+    loop: Loop,
 ) -> Measurement:
     """Return the greatest sensitivity.
 
@@ -158,7 +203,7 @@ def _sensitivity_peak(
     fallen clearly within them, unless T is so small at the last of them that S, at most 1 + T, cannot be much
     greater above.
     """
-    name, text = "sensitivity_peak", "greatest magnitude of the sensitivity 1 - T, M_s"
+    name, text = "sensitivity_peak", f"greatest magnitude of the sensitivity 1 - T, M_s{loop.value}"
     reciprocal = LocalReciprocal(frequency_Hz, 1.0 / closed, error, shared)
 
     def between(at: int, fine_Hz: Floats) -> tuple[Floats, Floats]:

@@ -13,6 +13,7 @@ from benchtool.analysis import Measurement, Window, analyze_response
 from benchtool.analysis.distributions import above_zero
 from benchtool.analysis.responses.bode import FREQUENCY_RESPONSE, ResponseSettings
 from benchtool.analysis.responses.frequency_response import averaged_response, frequency_response
+from benchtool.analysis.responses.margins import Loop, loop_of
 from benchtool.analysis.responses.response_curve import ResponseCurve
 from benchtool.block import Block
 from benchtool.errors import AnalysisError
@@ -229,3 +230,33 @@ def test_what_cannot_be_negative_is_the_part_above_zero() -> None:
         assert above_zero(found, 1.0) == pytest.approx((median, spread), rel=0.01)
     assert above_zero(-25.0, 1.0) == pytest.approx(above_zero(-25.01, 1.0), rel=0.01)
     assert above_zero(-1.0, 0.0) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_response_to_the_control_error_is_the_open_loop_already(noise: float) -> None:
+    """An integrator behind a lag of 2 ms and a delay of one row."""
+    stimulus, pole = _sweep(20_000, True), math.exp(-1.0 / (RATE_HZ * 2e-3))
+    numerator = np.array([0.0, 2.0 * math.pi * 50.0 / RATE_HZ * (1.0 - pole)])
+    denominator = np.convolve([1.0, -1.0], [1.0, -pole])
+    closed = denominator + np.pad(numerator, (0, 1))
+    y = np.asarray(signal.lfilter(numerator, closed, stimulus))
+    x = stimulus - y + noise * _noise(len(y), 1)
+    block = Block.from_arrays(RATE_HZ, dict.fromkeys(("x", "y", "r"), "Nm"), x=x, y=y, r=stimulus)
+    of_error, of_reference = (
+        analyze_response(block, "x", "y", stimulus="r"),
+        analyze_response(block, "r", "y"),
+    )
+    assert of_error.loop is Loop.OPEN
+    assert of_reference.loop is Loop.CLOSED
+    found, truth = ({one.name: one for one in each.measurements} for each in (of_error, of_reference))
+    for name in ("crossover", "phase_margin", "sensitivity_peak"):
+        assert found[name].value == pytest.approx(truth[name].value, rel=3e-3)
+        assert "input being the stimulus less the output" in found[name].definition
+
+
+def test_a_response_to_what_the_controller_gives_is_not_that_to_the_error() -> None:
+    stimulus = _noise(2_000)
+    x, y = _in_loop(stimulus, 0.1)
+    assert loop_of(x, y, stimulus) is Loop.CLOSED
+    assert loop_of(x / CONTROLLER, y, stimulus) is Loop.OPEN
+    assert loop_of(x / CONTROLLER, y, None) is Loop.CLOSED
