@@ -282,7 +282,8 @@ def _largest(
     reason = _of_no_largest(spectrum, standing_out)
     if reason:
         yield Measurement.undefined(number, "", text, reason, spectrum.basis)
-        yield Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
+        none = Measurement.undefined(amplitude, spectrum.unit, of_it, reason, spectrum.basis)
+        yield replace(none, below=_most(spectrum))
         return
     order = standing_out[0]
     basis = replace(_at(spectrum, order), order=order)
@@ -296,6 +297,12 @@ def _largest(
     yield Measurement(
         amplitude, value, spectrum.unit, of_it, basis, told, uncertainty_reason=why, sensitivities=own
     )
+
+
+def _most(spectrum: OrderSpectrum) -> float | None:
+    """Return what the amplitude of each order is less than; None where that is not known of all."""
+    most = float(np.max(spectrum.amplitude + _MAY_BE_MORE * spectrum.standard))
+    return most if math.isfinite(most) and not spectrum.untold else None
 
 
 def _of_no_largest(spectrum: OrderSpectrum, standing_out: list[int]) -> str:
@@ -430,7 +437,12 @@ def _orders_of(channel: str, name: str, unit: str) -> Analysis[OrderSettings]:
                 "order with the largest amplitude, of orders 1 to 200 or to where the data end; undefined "
                 "where none stands out, or one that does not is larger",
             ),
-            Quantity((f"{name}_order_largest_amplitude",), unit, "peak amplitude of that order"),
+            Quantity(
+                (f"{name}_order_largest_amplitude",),
+                unit,
+                "peak amplitude of that order; where that is not told, below the greatest of amplitude and "
+                "twice its standard uncertainty",
+            ),
             Quantity(
                 tuple(f"{name}_order_{key}" for key in MACHINE_ORDERS),
                 unit,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,6 +97,18 @@ def test_only_orders_that_stand_out_of_the_noise_are_listed() -> None:
     for none in describe_orders(fitted(angle, noise), "torque").measurements:
         assert math.isnan(none.value)
         assert none.reason == "no order stands out of the noise"
+
+
+def test_where_no_order_is_told_as_the_largest_its_amplitude_has_a_bound() -> None:
+    angle: Array = np.arange(40_000.0) * (40 * TURN / 40_000)
+    noise = 1e-3 * np.random.default_rng(5).normal(size=len(angle))
+    spectrum = fitted(angle, noise)
+    number, amplitude = describe_orders(spectrum, "speed").measurements
+    assert number.upper_bound is None
+    assert amplitude.upper_bound == pytest.approx(np.max(spectrum.amplitude + 2.0 * spectrum.standard))
+    assert amplitude.upper_bound < 2e-4
+    untold = replace(spectrum, untold=frozenset({24}))
+    assert describe_orders(untold, "speed").measurements[1].upper_bound is None
 
 
 def test_which_order_is_the_largest_is_not_told_beside_a_larger_one_that_may_be_noise() -> None:
