@@ -58,6 +58,7 @@ _BY_CHANCE = 0.1
 _ORDERS_AROUND, _FEWEST_AROUND = 2, 20  # whose bins tell the noise; bins
 _STANDS_OUT = 5.0  # standard uncertainties of the positive sequence
 _DITHERS = 0.25  # of a step: the least amplitude of a tone that moves the signal from step to step
+_LITTLE = 5e-3  # of the positive sequence: scatter of another one that is little beside it
 _TOO_SLOW = "the periods are too few, or too much alike, to tell how much they scatter: record longer"
 _SEQUENCES: Final[tuple[PhaseSequence, ...]] = ("positive", "negative", "zero")
 _UNBALANCES: Final[tuple[tuple[int, str, PhaseSequence], ...]] = (
@@ -329,7 +330,7 @@ def _component(
         turned = replace(turned, samples=turned.samples - common)
     (moved, along), across, of_periods = turned.along, turned.across, turned.of_periods
     if turned.trend is None and is_memory_untold(of_periods.real, of_periods.imag):
-        along = MeanError(math.nan, along.dof)
+        along = _of_one_period(of_periods.real, 0.0 if reference is None else reference.magnitude)
     if not math.isfinite(across.standard):  # a track that is a little off turns it steadily
         across = along
     bias = added_by_noise(magnitude, math.hypot(across.standard, steps))
@@ -348,6 +349,14 @@ def _component(
         ),
         scatter=float(np.std(sequence.of_periods)),
     )
+
+
+def _of_one_period(of_periods: Floats, positive: float) -> MeanError:
+    """Return the error of a mean of periods that wander for a while that they do not tell: it is no better
+    known than one of them, where they differ by little of the positive sequence, and else not known."""
+    scatter = float(np.std(of_periods, ddof=1))
+    known = scatter if scatter < _LITTLE * positive else math.nan
+    return MeanError(known, len(of_periods) - 1.0)
 
 
 def _without_wander(across: MeanError, beside: _Sequence) -> MeanError:

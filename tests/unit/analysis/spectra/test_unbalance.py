@@ -214,6 +214,20 @@ def test_few_periods_of_noise_state_what_they_scatter() -> None:
     assert 0.7 < np.sqrt(np.mean(np.square(relative))) < 1.3  # 0.5 by the scatter over periods
 
 
+@pytest.mark.parametrize("seed", [77, 141, 188])
+def test_a_small_sequence_whose_few_periods_look_alike_is_known_as_one_of_them(seed: int) -> None:
+    """Noise along a negative sequence may be more than across it, by chance, and neighbours alike."""
+    whole = three_phases(0.643, 1e-4, 0.0, 0.01, seed)
+    block = Block(whole.channels, 0, 1, whole.tick_s, whole.data[:1200])
+    track = track_tone(np.ascontiguousarray(block.column("i_a")), "i_a")
+    found = {each.name: each for each in current_unbalance(block, track)}
+    for name, truth in (("current_sequence_negative", 1e-4), ("current_unbalance_percent", 1e-2 / 0.643)):
+        uncertain = found[name].uncertainty
+        assert uncertain is not None
+        assert abs(found[name].value - truth) < uncertain.expanded
+        assert uncertain.expanded < 100.0 * truth
+
+
 def test_a_tone_between_the_harmonics_is_not_in_a_component() -> None:
     random = np.random.default_rng(22)
     theta = 2 * np.pi * np.arange(200 * 8 + 70) / 200
