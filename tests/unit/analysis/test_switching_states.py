@@ -96,7 +96,7 @@ def test_steps_that_a_turning_voltage_is_read_wrong_by_in_every_period_are_in_th
     # the greatest minus the least phase is on average 3 / pi times sqrt(3) of the size
     truth = 100.0 * (1.0 - 3.0 * math.sqrt(3.0) / math.pi * 42.0 / 120.0)
     for step_V in (1.5, 2.1, 3.0):
-        for _ in range(6):
+        for _ in range(4):
             value, standard = _of_turning(step_V, 0.05, random)
             errors.append((value - truth) / standard)
     assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.4

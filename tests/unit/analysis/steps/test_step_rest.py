@@ -222,7 +222,7 @@ def test_a_level_that_wanders_by_little_of_a_step_leaves_its_numbers_with_their_
 def test_a_level_that_a_control_takes_a_signal_back_to_is_known() -> None:
     """As large a walk is refused where it has moved the level, and that of a control is not."""
     refused = {"walk": 0, "control": 0}
-    for seed in range(10):
+    for seed in range(1, 7):
         walk = 1.3e-4 * np.cumsum(np.random.default_rng(seed).standard_normal(3000))
         moved = np.mean(walk[BEFORE + 500 :]) - np.mean(walk[:BEFORE])
         back = np.where(np.arange(3000) < BEFORE, 0.0, moved)
@@ -230,7 +230,7 @@ def test_a_level_that_a_control_takes_a_signal_back_to_is_known() -> None:
             found = _found(_lag(3000, 20.0) + noise)["plateau_mean"]
             refused[name] += "wanders" in found.reason
     assert refused["walk"] >= 4
-    assert refused["control"] <= 3  # of which a sixth of the record moves by more
+    assert refused["control"] <= 1  # of which a sixth of the record moves by more
 
 
 def test_a_drift_at_rest_is_a_doubt_where_few_samples_before_the_step_are_calm_by_chance() -> None:
