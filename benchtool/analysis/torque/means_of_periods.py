@@ -205,6 +205,10 @@ def mean_over_periods(
         return over_periods
     # the speed swings with such lines, and whole revolutions have the time of all that it does
     over_turns = mean_over_periods(series, turns, pooled=pooled, may_fall=may_fall, reference=reference)
+    # what is slow beside is told by many periods, and by few revolutions not
+    of_turns, apart = over_turns.error.standard, over_turns.mean - mean
+    if not math.isfinite(of_turns) or of_turns > math.hypot(error.standard, apart):
+        return over_periods
     return replace(over_periods, mean=over_turns.mean, error=over_turns.error)
 
 
