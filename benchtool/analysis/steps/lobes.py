@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 _SURE = 2.5  # standard deviations between a lobe and a trough beside it: noise alone hardly makes both
 _UPPER = 0.5  # of the way from the higher of both troughs to the top
 _DEGREE = 2
+_RAISED = 2.5  # standard deviations by which noise may raise the greatest of a lobe
 _OF_BOTH = 1.7  # times the noise of the curve: sqrt(2) of two records, 1.2 by which rows are the upper half
 
 
@@ -90,7 +91,10 @@ class Lobes:
         drawn is raised by noise, of which a lobe is as high as in the curve on average."""
         drawn = np.pad(_OF_BOTH * errors, ((1, 0), (0, 0)))
         heights = np.stack([self._heights(each, drawn) for each in self.lobes], axis=1)
-        return np.asarray(heights[0] + heights[1:] - np.mean(heights[1:], axis=0))
+        tops = [each.top for each in self.lobes]
+        # a lobe is no parabola: of what noise does not raise the greatest is the height
+        least = np.abs(self.away[tops]) - _RAISED * np.std(errors[:, tops], axis=0)
+        return np.asarray(np.maximum(heights[0], least) + heights[1:] - np.mean(heights[1:], axis=0))
 
     def _heights(self, lobe: Lobe, errors: Floats) -> Floats:
         """Return the height of a lobe in each draw, shape (draws,)."""

@@ -120,8 +120,9 @@ class Step:
     @cached_property
     def time_scatter(self) -> float:
         """Standard deviation of the times of the samples, in rows: one that repeats the row before on the way
-        of an answer without noise is a click, which is not in the curve and among the samples."""
-        return scatter_of_times(self.y, self.y_noise, self.converter_step)
+        of an answer without noise is a click, which is not in the curve and among the samples. 0 without."""
+        is_late = (self.y != self.y_clear) & (np.diff(self.y, prepend=math.nan) == 0.0)
+        return scatter_of_times(self.y, self.y_noise, self.converter_step) if np.any(is_late) else 0.0
 
     def noise_of(self, *pieces: Floats) -> Noise:
         """Return the noise of the signal by samples at rest. That of counts is another at each speed: on the

@@ -117,3 +117,13 @@ def test_noise_that_grows_hides_no_lobe_that_is_higher_than_the_one_before() -> 
     place, drawn = lobes.entries(4.5, np.full(3, 4.5), np.zeros((3, 6)), 1.5)
     assert place == 4.5
     np.testing.assert_array_equal(drawn, 4.5)
+
+
+def test_a_lobe_without_noise_that_just_leaves_the_band_is_as_high_as_it_is() -> None:
+    """A parabola through it is lower."""
+    away = ringing(1.001)
+    true = last_passage(away, 0.0, BAND)
+    assert true is not None
+    place, drawn = entries(away, 1e-9 * noise(np.random.default_rng(24), DRAWS), BAND)
+    assert place == pytest.approx(true.place, abs=1e-3)
+    assert np.std(drawn) < 1e-2
