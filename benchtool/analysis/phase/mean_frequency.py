@@ -51,8 +51,7 @@ def frequency(
         reason = _TOO_SHORT.format(track.periods / track.pole_pairs, len(seen.phase_rad), FEWEST)
     is_asked = is_told or (by_tone and not reason)
     tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_asked else None
-    is_of_angle = not by_tone or (tone is None and not reason)
-    turned = turned_by_angle(track, seen, tone) if is_of_angle else tone
+    turned = tone if by_tone else turned_by_angle(track, seen, tone)
     quick = within_periods(turned.standard) if is_told and turned is not None else None
     if (by_tone or quick is not None) and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)

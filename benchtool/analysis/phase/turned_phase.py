@@ -138,7 +138,7 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     """
     marks = middles_of_periods(track, seen)
     per_period = float(marks[1] - marks[0])
-    alike_rad = _within_periods(track)
+    alike_rad = _alike_in_periods(track)
     rows = np.arange(track.samples, dtype=np.float64)
     phase_rad = track.at(marks) + seen.phase_rad - np.interp(marks, rows, alike_rad)
     middle = float(np.mean(seen.amplitude))
@@ -166,7 +166,7 @@ def _to_both_ends(track: PhaseTrack, seen: Wander) -> tuple[float, float]:
     return ends_rad[1] - ends_rad[0] + of_angle_rad, math.sqrt(of_phases2 + error2)
 
 
-def _within_periods(track: PhaseTrack) -> NDArray[np.float64]:
+def _alike_in_periods(track: PhaseTrack) -> NDArray[np.float64]:
     """Return what a track that follows an angle does in every period alike, shape (samples,): phases of
     periods show nothing of it, and no continuation of them has it."""
     if track.measured_rad is None or track.departure is None:

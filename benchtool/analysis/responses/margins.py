@@ -79,10 +79,8 @@ def margins(
     """
     closed = response
     if loop is Loop.OPEN:
-        closed, error = (
-            response / (1.0 + response),
-            error / np.abs(1.0 + response),
-        )  # dT / T = dL / (L (1 + L))
+        closed = response / (1.0 + response)
+        error = error / np.abs(1.0 + response)  # dT / T = dL / (L (1 + L))
     sensitivity = 1.0 - closed
     shared = np.ones(len(closed)) if shared is None else shared
     magnitude = np.maximum(np.abs(sensitivity), _LEAST)

@@ -30,9 +30,10 @@ from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.step_drift import find_drift, wanders, without_drift
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
-from benchtool.analysis.steps.step_shape import HELD, TAIL, Step, find_step
+from benchtool.analysis.steps.step_shape import TAIL, Step, find_step
 from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown
 from benchtool.analysis.steps.tails import LITTLE, Tail
+from benchtool.analysis.steps.treads import HELD
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
 from benchtool.analysis.window import Window
 from benchtool.block import Block

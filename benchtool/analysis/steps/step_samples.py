@@ -17,8 +17,9 @@ from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.steps.step_shape import HELD, TAIL, Step
+from benchtool.analysis.steps.step_shape import TAIL, Step
 from benchtool.analysis.steps.step_validity import UNDECIDED
+from benchtool.analysis.steps.treads import HELD
 from benchtool.analysis.uncertainty import Contribution, combined
 
 Floats = NDArray[np.float64]

@@ -22,7 +22,7 @@ from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.steps.treads import answered_tread, long_tread
+from benchtool.analysis.steps.treads import HELD, answered_tread, long_tread
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
 from benchtool.block import Block
@@ -32,9 +32,6 @@ Floats = NDArray[np.float64]
 
 TAIL = 0.1
 """Part of the window, at its end, where the final value and the noise are read."""
-
-HELD = 0.02
-"""Of the height: how near its greatest value a reference counts as held there."""
 
 _OPPOSITE = 0.5  # of the height: the most that a step goes the other way
 _QUARTERS = 0.25, 0.75

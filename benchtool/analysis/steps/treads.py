@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-_WAY = 0.02, 0.99  # of the height: between these a reference is in transition
+HELD = 0.02
+"""Of the height: how near its greatest value a reference counts as held there."""
+
+_WAY = HELD, 1.0 - 0.5 * HELD  # of the height: between these a reference is in transition
 _LANDING = 0.03  # of the height: a band in which it spends little time
 _DWELL = 0.2  # of the way: more than a ramp (0.03) spends in such a band; an exponential only at its end
 _FASTER = 3.0  # times the usual speed in the band: above it, where the way goes on from a rest

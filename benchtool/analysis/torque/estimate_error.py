@@ -12,17 +12,12 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Measurement
 from benchtool.analysis.numbers import raw
-from benchtool.analysis.periods import PhaseTrack, rows_of_marks
+from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.period_marks import marks_of_rotor
 from benchtool.analysis.quantisation.resolution import counting_step
 from benchtool.analysis.sensitivity import OF_MEAN_STEP, Sensitivities, Sensitivity
 from benchtool.analysis.statistics.scatter import TOO_SLOW
-from benchtool.analysis.torque.means_of_periods import (
-    FEWEST_PERIODS,
-    MeanOverPeriods,
-    Periods,
-    mean_over_periods,
-)
+from benchtool.analysis.torque.means_of_periods import MeanOverPeriods, Periods, mean_over_periods
 from benchtool.analysis.uncertainty import Contribution, combined_by_names
 from benchtool.block import Block
 
@@ -94,9 +89,8 @@ class TorqueOfBoth:
         if self.track is None or self.track_of_transducer is None:
             return None
         samples, track = self._at_the_finer_rows(self.track, self.track_of_transducer)
-        marks = marks_of_rotor(track)
-        periods = Periods(rows_of_marks(marks.numbers), per_revolution=self.per_revolution, marks=marks)
-        if len(periods) < FEWEST_PERIODS or np.min(np.diff(periods.rows)) < 1:
+        periods = Periods.of(marks_of_rotor(track), self.per_revolution)
+        if not periods.tell_scatter:
             return None
         return mean_over_periods(samples, periods, may_fall=True, by_revolutions=True)
 
@@ -105,14 +99,8 @@ class TorqueOfBoth:
     ) -> tuple[Floats, PhaseTrack]:
         """Return the difference, shape (n,), and the phase at its rows, which are those of the higher rate: a
         straight line between the rows of the other signal leaves its means as they are."""
-        of_block, of_transducer = _times_s(self.block), _times_s(self.transducer)
+        of_block, of_transducer = (each.ticks() * each.tick_s for each in (self.block, self.transducer))
         torque, true = self.block.column("torque"), self.transducer.column("torque_transducer")
         if self.block.sample_rate_Hz >= self.transducer.sample_rate_Hz:
             return torque - np.interp(of_block, of_transducer, true), track
         return np.interp(of_transducer, of_block, torque) - true, track_of_transducer
-
-
-def _times_s(block: Block) -> Floats:
-    """Return when the rows of a block were, shape (n,)."""
-    ticks = block.first_tick + block.stride * np.arange(len(block.data))
-    return np.asarray(ticks * block.tick_s, np.float64)

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.periods import rows_of_marks
 from benchtool.analysis.phase.period_marks import PeriodMarks
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.statistics.neighbours import neighbours_alike
@@ -39,6 +40,16 @@ class Periods:
     name: str = "electrical periods"
     per_revolution: int = 1
     marks: PeriodMarks | None = None
+
+    @classmethod
+    def of(cls, marks: PeriodMarks, per_revolution: int = 1, name: str = "electrical periods") -> Periods:
+        """Return those that begin at marks."""
+        return cls(rows_of_marks(marks.numbers), name, per_revolution, marks)
+
+    @property
+    def tell_scatter(self) -> bool:
+        """Whether there are enough of them, with a row in each."""
+        return len(self) >= FEWEST_PERIODS and int(np.min(np.diff(self.rows))) >= 1
 
     def __len__(self) -> int:
         return len(self.rows) - 1

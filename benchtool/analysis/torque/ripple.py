@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Basis, Measurement
-from benchtool.analysis.periods import PhaseTrack, rows_of_marks
+from benchtool.analysis.periods import PhaseTrack
 from benchtool.analysis.phase.period_marks import PeriodMarks, marks_of_rotor
 from benchtool.analysis.quantisation.repeated_steps import rms_before_steps
 from benchtool.analysis.quantisation.resolution import counting_step
@@ -167,7 +167,7 @@ def ripple_of_rows(
     step = counting_step(samples)
     scatter = None
     if marks is not None:
-        repeats = Periods(rows_of_marks(marks.numbers), repeated, per_revolution, marks)
+        repeats = Periods.of(marks, per_revolution, repeated)
         scatter = scatter_of_periods(samples, repeats, step, reference=reference)
     unknown = ""
     if scatter is None or marks is None:

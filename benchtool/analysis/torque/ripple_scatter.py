@@ -71,7 +71,7 @@ def scatter_of_periods(
     """Return the scatter of the numbers of samples, shape (n,), over whole periods; None where there are too
     few."""
     rows, count = repeats.rows, len(repeats)
-    if count < FEWEST_PERIODS or np.min(np.diff(rows)) < 1:
+    if not repeats.tell_scatter:
         return None
     within, begin, counts = samples[: rows[-1]], rows[:-1], np.diff(rows)
     of_mean = mean_over_periods(samples, repeats, may_fall=True, reference=reference, by_revolutions=True)
