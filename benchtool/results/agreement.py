@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from benchtool.analysis import BANDWIDTH, Measurement, Uncertainty, of_difference, raw
 from benchtool.plan import JudgedLimit, Limit, Verdict
 
 _TRANSDUCER = "transducer_"
+_MEAN_DIFFERENCES: Final = {"torque_mean": "torque_error"}
 
 
 @dataclass(frozen=True)
@@ -19,11 +20,13 @@ class Disagreement:
 
     Where the transducer is slower than the capture, the estimate in the band that it shows was compared with
     what it read.
+    `difference` is the uncertainty of the difference of the two that were compared.
     `judged` is the plan's limit held against the transducer's number; None without a limit.
     """
 
     estimate: Measurement
     true: Measurement
+    difference: Uncertainty
     judged: JudgedLimit | None = None
 
     def __str__(self) -> str:
@@ -79,7 +82,7 @@ class Disagreement:
             "estimate": self.estimate.value,
             "transducer": self.true.value,
             "unit": self.estimate.unit,
-            "standard_uncertainty": _of_difference(self.estimate, self.true).standard,
+            "standard_uncertainty": self.difference.standard,
             "verdict_by_transducer": None if self.verdict is None else str(self.verdict),
         }
         if self.compared is not self.estimate:
@@ -94,6 +97,12 @@ class Disagreement:
 def transducer_name(name: str) -> str:
     """Return the name of the transducer's number for a number by the drive's estimate."""
     return f"{_TRANSDUCER}{name}"
+
+
+def mean_difference_name(name: str) -> str:
+    """Return the name of the mean difference to the transducer over the same time, whose uncertainty leaves
+    out what both have in common, as a load that wanders; empty for a number that has none."""
+    return _MEAN_DIFFERENCES.get(name, "")
 
 
 def in_common_band(estimate: Measurement) -> Measurement:
@@ -118,9 +127,10 @@ def _disagreements(found: Mapping[str, Measurement], limits: Mapping[str, Limit]
         seen = in_common_band(estimate)
         if true is None or not (math.isfinite(true.value) and math.isfinite(seen.value)):
             continue
-        if abs(seen.value - _shown(estimate, true).value) > _of_difference(estimate, true).expanded:
+        difference = _of_mean_difference(found, name) or _of_difference(estimate, true)
+        if abs(seen.value - _shown(estimate, true).value) > difference.expanded:
             judged = JudgedLimit.of(name, limits[name], true) if name in limits else None
-            yield Disagreement(estimate, true, judged)
+            yield Disagreement(estimate, true, difference, judged)
 
 
 def _shown(estimate: Measurement, true: Measurement) -> Measurement:
@@ -138,12 +148,18 @@ def _shown(estimate: Measurement, true: Measurement) -> Measurement:
     return replace(true, value=true.as_read, uncertainty=uncertainty, correction=None)
 
 
+def _of_mean_difference(found: Mapping[str, Measurement], name: str) -> Uncertainty | None:
+    """Return that of the number that is the difference; None where there is none, or none is known of it."""
+    difference = found.get(mean_difference_name(name))
+    return None if difference is None else _known(difference.uncertainty)
+
+
 def _of_difference(estimate: Measurement, true: Measurement) -> Uncertainty:
-    """Return that of the difference of the two numbers that are compared."""
+    """Return that of the difference of the two numbers that are compared, taken as independent."""
     seen, shown = in_common_band(estimate), _shown(estimate, true)
-    return of_difference(_known(seen.uncertainty), _known(shown.uncertainty))
+    unknown = Uncertainty(0.0, "not known")
+    return of_difference(_known(seen.uncertainty) or unknown, _known(shown.uncertainty) or unknown)
 
 
-def _known(uncertainty: Uncertainty | None) -> Uncertainty:
-    known = uncertainty is not None and math.isfinite(uncertainty.expanded)
-    return uncertainty if known and uncertainty is not None else Uncertainty(0.0, "not known")
+def _known(uncertainty: Uncertainty | None) -> Uncertainty | None:
+    return None if uncertainty is None or not math.isfinite(uncertainty.expanded) else uncertainty

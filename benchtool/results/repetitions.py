@@ -23,7 +23,7 @@ from benchtool.analysis import (
     students_deviation,
 )
 from benchtool.plan import Limit, Plan, cases
-from benchtool.results.agreement import disagreements, transducer_name
+from benchtool.results.agreement import disagreements, mean_difference_name, transducer_name
 from benchtool.results.judged_repetitions import (
     JudgedTogether,
     bounds_of,
@@ -229,7 +229,9 @@ class _Group:
         held = replace(JudgedTogether.of(name, limit, value), count=self.count)
         if self.judge == "worst":
             held = held.of_each(self.found.get(name, ()))
-        both = tuple(each for each in (value, on_shaft) if each is not None)
+        # the worst of each need not be of one repetition, of which the difference is
+        difference = None if self.judge == "worst" else self._value(mean_difference_name(name), limit)
+        both = tuple(each for each in (value, on_shaft, difference) if each is not None)
         return replace(held, disagreement=next(iter(disagreements(both, {name: limit})), None))
 
     def _value(self, name: str, limit: Limit) -> Measurement | None:

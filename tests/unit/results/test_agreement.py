@@ -47,6 +47,15 @@ def test_a_ripple_that_the_shaft_contradicts_is_told_with_the_verdict_there() ->
     assert found.to_json()["standard_uncertainty"] == pytest.approx(math.hypot(0.0016, 0.002))
 
 
+def test_a_mean_is_held_by_the_difference_over_the_same_time() -> None:
+    """A load that wanders is in both means and not in their difference."""
+    both = (_number("torque_mean", 3.0, 0.1), _number("transducer_torque_mean", 3.02, 0.1))
+    assert disagreements(both, {}) == ()
+    (found,) = disagreements((*both, _number("torque_error", -0.02, 0.002)), {})
+    assert (found.name, found.to_json()["standard_uncertainty"]) == ("torque_mean", 0.002)
+    assert disagreements((*both, _number("torque_error", -0.02)), {}) == ()
+
+
 def test_in_its_band_the_estimate_is_held_against_what_the_transducer_read() -> None:
     """0.10 Nm behind the transducer's lag, as it read it, of 0.14 Nm without."""
     estimate = _number("torque_ripple_rms", 0.14, 0.001)
