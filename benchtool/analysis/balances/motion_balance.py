@@ -142,16 +142,20 @@ def motion_balance(
     solution, beside = (_solved(names, white, side, believed, spans) for side in sides.T)
     # what counts of the encoder alone make of an even speed
     noise_rad_s = count_rad / math.sqrt(12.0) * math.sqrt(float(np.sum(windows.second**2)))
-    if np.std(columns[:, 0]) < ABOVE_NOISE * noise_rad_s:
-        solution = replace(solution, hidden=frozenset({"J"}))
     left = (impulse - columns @ solution.values) / impulse_s
+    error_Nm = math.sqrt(float(np.mean(left**2)))
+    changing = float(np.std(columns[:, 0]))
+    of_inertia_Nm = abs(solution.value("J")) * changing / impulse_s
+    # where torque that is not balanced is more than the inertia takes, it is that which moves the shaft
+    if changing < ABOVE_NOISE * noise_rad_s or of_inertia_Nm < error_Nm:
+        solution = replace(solution, hidden=frozenset({"J"}))
     return MotionBalance(
         flux,
         solution,
         np.abs(beside.values - solution.values),
         speed / T_s,
         count,
-        math.sqrt(float(np.mean(left**2))),
+        error_Nm,
     )
 
 

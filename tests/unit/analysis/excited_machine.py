@@ -58,6 +58,9 @@ class Excitation:
     i_d_A: float = 1.0
     speed_rad_s: float | None = None
     """Speed at which the shaft is held; None of a shaft that turns freely."""
+    swing_rad_s: float = 0.0
+    """By what the machine that holds the shaft swings its speed, at `swing_Hz`."""
+    swing_Hz: float = 9.0
 
 
 def capture(truth: Truth, excitation: Excitation, rows: int, seed: int = 0) -> Block:
@@ -89,6 +92,9 @@ def capture(truth: Truth, excitation: Excitation, rows: int, seed: int = 0) -> B
             found[name][k] = value
         for _ in range(_STEPS):
             i_dq, omega_m, theta_m = _heun(truth, i_dq, omega_m, theta_m, u_now, T_S / _STEPS, held)
+        if excitation.speed_rad_s is not None:
+            swung = math.sin(2.0 * math.pi * excitation.swing_Hz * (k + 1) * T_S)
+            omega_m = excitation.speed_rad_s + excitation.swing_rad_s * swung
     return Block.from_arrays(1.0 / T_S, _UNITS, **found)
 
 

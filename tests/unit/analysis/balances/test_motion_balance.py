@@ -50,6 +50,14 @@ def test_a_shaft_whose_speed_is_held_tells_no_inertia() -> None:
     assert "turns freely" in inertia.reason
 
 
+def test_a_shaft_that_another_machine_swings_tells_no_inertia() -> None:
+    """The torque of the other machine accelerates it: by that of the motor the inertia came out as a tenth or
+    less of itself, with a small U."""
+    block = capture(Truth(), Excitation(i_q_A=0.3, i_q_Hz=3.0, speed_rad_s=60.0, swing_rad_s=2.0), 3000)
+    found = motion_balance(block, EXAMPLE_MOTOR, flux_balance(block, EXAMPLE_MOTOR)).solution
+    assert found.hidden == {"J"}
+
+
 def test_an_even_speed_by_the_counts_of_an_encoder_tells_no_inertia() -> None:
     """The counts alone accelerate then, by no torque: the inertia came out as zero, with a small U."""
     block = capture(Truth(counts=2500), Excitation(speed_rad_s=60.0), 3000)
