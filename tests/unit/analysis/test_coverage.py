@@ -11,6 +11,7 @@ from scipy import integrate, signal
 from benchmarks.coverage.dynamic import Lag
 from benchmarks.coverage.families import Family, scores, selected
 from benchmarks.coverage.registry import FAMILIES
+from benchmarks.coverage.representative import REPRESENTATIVE
 from benchtool.analysis import Measurement, Uncertainty
 from tests.at_length import at_length
 
@@ -134,6 +135,11 @@ def test_inertia_and_friction_are_known_no_worse_than_they_err(name: str) -> Non
         assert found[measurement].answered >= 5
         assert found[measurement].verdict != "narrow", found[measurement]
         assert found[measurement].rms > 0.3, found[measurement]
+
+
+def test_the_families_that_stand_for_all_are_some_of_them_and_each_once() -> None:
+    assert set(REPRESENTATIVE) < set(FAMILIES)
+    assert len(set(REPRESENTATIVE)) == len(REPRESENTATIVE)
 
 
 def test_numbers_that_are_exact_do_not_make_the_others_wide() -> None:
