@@ -448,6 +448,9 @@ def _quotient(name: str) -> tuple[str, str]:
     *before, last = re.split(r"[_\s]+", name.strip())
     if before and "/" in last and is_unit(last):  # n_1/min, omega rad/s
         return name, ""
+    of, _, per = last.partition("/")
+    if before and len(of) > 1 and is_unit(of) and is_unit(per):  # a rate: torque Nm/s; of phase A/V it is V
+        return name.strip().removesuffix(last).rstrip("_ "), last
     quantity, solidus, unit = (part.strip() for part in name.partition("/"))
     unit = unit[1:-1] if unit.startswith("(") and unit.endswith(")") else unit
     return (quantity, unit) if solidus and quantity and is_unit(unit) and not is_unit(name) else (name, "")

@@ -12,7 +12,9 @@ _UNIT_SIGNS = ":=@"  # between a name and its unit: t:ms, i=mA
 _BLANKS = r"[_\s]+"
 _JOINTS = rf"[_\s.,;{_UNIT_SIGNS}-]+"
 _NO_LETTERS = r"(?:[^\w°/·^-]|_)+"
-_HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])"  # behind m it may be that of mNm
+# behind m it may be that of mNm
+_HUMP = r"(?<=[a-z0-9])(?<![mukn])[A-Z](?=[a-z])|(?<=[Rr]ad)S$"
+_HUMP_OF_NEWTONS = r"(?<=[a-z0-9])(?<![mukn])(?=Nm\b)"  # whose letter stays
 _LIMITS = ("min", "max")
 _TIME = r"(?:t|time|timestamp|zeit|temps)"
 _TIME_IN_SECONDS = re.compile(rf"{_TIME}{_BLANKS}s", re.IGNORECASE)
@@ -73,7 +75,8 @@ def unit_in_name(name: str, unit: str) -> str:
     name = name.strip()
     if _PER_DIVISION.search(name):
         return ""
-    joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", name)
+    spelt = re.sub(_HUMP_OF_NEWTONS, "_", name)
+    joined = re.sub(_HUMP, lambda match: f"_{match[0].lower()}", spelt)
     split = [re.split(*each) for each in ((_BLANKS, name), (_JOINTS, name), (_JOINTS, joined))]
     splits = [_with_compounds(words, unit) for words in split]
     for words in splits:

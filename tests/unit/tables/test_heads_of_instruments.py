@@ -286,6 +286,7 @@ def test_an_extremum_in_the_first_rows_is_no_head(tmp_path: Path) -> None:
         ("Rig,4,2024-01-05\n12:00:00.5,1.5,2\n", "Rig", "no column 'Rig'"),
         ("C1 in A,C1 in V,C2 in A\n", "C1", "2 columns 'C1', with the numbers 1, 2: give one"),
         ("t,C1 in V,T\n", "C1", "'V' is no unit of column 'C1', which its head states.* state it"),
+        ("t,torque Nm/s,T\n", "torque", "'Nm/s' is no unit of column 'torque'"),
         ("Time(MS),i,T\n", "Time", "'MS' is no unit of column 'Time'|no column"),
     ],
 )

@@ -39,6 +39,7 @@ def table(folder: Path, name: str) -> TextTable:
             ("Zeit s", "s", "s"),
             ("i_s", "s", ""),
         ),
+        *(("torqueNm", "Nm", "Nm"), ("speedRadS", "rad/s", "rad/s"), ("thetaRad", "rad", "rad")),
         *(("i_m_A", "A", ""), ("Iq_MA", "A", ""), ("torque_pin", "Nm", ""), ("torque_inp", "Nm", "")),
         *(
             ("w_rad_s_filtered", "rad/s", "rad/s"),
