@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials
+from benchtool.analysis.noise.noise_by_place import repetition_of_bins
 from benchtool.analysis.noise.noise_over_time import ONE_LEVEL, NoiseOverTime, noise_over_time
 from benchtool.analysis.statistics.medians import median, medians
 from benchtool.analysis.statistics.scatter import MeanError
@@ -147,7 +148,8 @@ def noise_floor(
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     if not total > 0.0:
         return NoiseFloor(0.0, bin_Hz, len(bins), 0.0, math.inf)
-    relative = math.sqrt(float(shares**2 @ np.array(variances))) / total
+    variance = float(shares**2 @ np.array(variances))
+    relative = math.sqrt(variance * repetition_of_bins(spectrum.phasor, spectrum.periods, bins)) / total
     # half of the relative error of a power is that of the amplitude
     of_leakage = 0.5 * leaked / (total * len(bins))
     of_bins = math.hypot(relative_to_found(relative), of_leakage)
