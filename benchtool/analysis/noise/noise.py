@@ -148,8 +148,9 @@ def noise_floor(
     bin_Hz = spectrum.fundamental_Hz / spectrum.periods
     if not total > 0.0:
         return NoiseFloor(0.0, bin_Hz, len(bins), 0.0, math.inf)
-    variance = float(shares**2 @ np.array(variances))
-    relative = math.sqrt(variance * repetition_of_bins(spectrum.phasor, spectrum.periods, bins)) / total
+    relative2 = float(shares**2 @ np.array(variances)) / total**2
+    relative2 *= repetition_of_bins(spectrum.phasor, spectrum.periods, bins)
+    relative = math.sqrt(min(relative2, 1.0 / _FEWEST_ALIKE))
     # half of the relative error of a power is that of the amplitude
     of_leakage = 0.5 * leaked / (total * len(bins))
     of_bins = math.hypot(relative_to_found(relative), of_leakage)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
 _FEWEST = 8  # orders, and bins of each
+_TINY = 1e-12
+_CLEARLY = 6.0  # standard deviations, of sums of few exponentials
 
 
 def repetition_of_bins(phasor: NDArray[np.complex128], periods: int, bins: NDArray[np.int64]) -> float:
@@ -26,10 +30,20 @@ def repetition_of_bins(phasor: NDArray[np.complex128], periods: int, bins: NDArr
     if orders < _FEWEST or columns < _FEWEST:
         return 1.0
     between = phasor[first * periods : last * periods].reshape(orders, periods)[:, inner]
-    places = np.square(np.abs(fft.fft(between, 2 * orders, axis=0)))
-    alike = fft.ifft(np.sum(places, axis=1))[:orders]
-    if not alike[0].real > 0.0:
+    power = np.mean(np.square(np.abs(between)), axis=1)
+    together = np.sum(_correlation(between), axis=1)[1:orders]
+    as_powers, as_amplitudes = (_correlation(each)[:orders].real for each in (power, np.sqrt(power)))
+    if not as_powers[0] > 0.0:
         return 1.0
-    share = 1.0 - np.arange(1, orders) / orders  # of the orders that have another at such a distance
-    squares = np.square(np.abs(alike[1:]) / alike[0].real) / share
-    return max(1.0, 1.0 + 2.0 * float(np.sum(squares - 1.0 / (orders * columns))))
+    alike, by_chance = np.square(np.abs(together) / columns), as_powers[1:] / columns
+    weight = as_powers[1:] / np.maximum(np.square(as_amplitudes[1:]), _TINY * as_powers[0])
+    more = float(weight @ (alike - by_chance))
+    if more < _CLEARLY * float(np.linalg.norm(weight * by_chance)):  # in few orders by chance
+        return 1.0
+    return 1.0 + 2.0 * more / float(as_powers[0])
+
+
+def _correlation(of_orders: NDArray[Any]) -> NDArray[np.complex128]:
+    """Return the sums over orders of the products with what is so many orders on, shape (2 orders, ...)."""
+    square = np.square(np.abs(fft.fft(of_orders, 2 * len(of_orders), axis=0)))
+    return np.asarray(fft.ifft(square, axis=0))

@@ -61,14 +61,17 @@ def test_sidebands_that_only_turn_the_phase_leak_beyond_what_is_seen(
     """Of a power c / d^2 at a distance d: up to half a harmonic away it is no noise, and beyond, where
     it is c / reach to either side, half of it is the error of the amplitude."""
     bins, c, noise = np.arange(80 * 10), 4e-3, 1e-3 * np.exp(0.25j * np.pi)  # as much in phase as across
-    # a Barker code from order to order, so that the noise is not that of one place of the period
-    noise = noise * np.repeat([1, 1, 1, 1, 1, -1, -1, 1, 1, -1], 80)
+    # of noise at all places of the period no two orders are alike, but for those beside the line
+    signs = np.random.default_rng(0).choice((-1.0, 1.0), (10, 80))
+    signs[order, 1:] = signs[order - 1, :0:-1]
+    noise = noise * signs.ravel()
     floors = []
     for power in (0.0, c):
         phasor = np.where(bins % 80 == 0, 1.0, noise)
         away = np.maximum(np.abs(bins - 80 * order), 1)
         turned = np.sqrt(noise.imag**2 + power / away**2)
-        phasor.imag = np.where((phasor.imag > 0.0) & (away <= reach), turned, phasor.imag)
+        to_turn = (phasor.imag != 0.0) & (away <= reach)
+        phasor.imag = np.where(to_turn, np.copysign(turned, phasor.imag), phasor.imag)
         floors.append(floor_of(spectrum_of_bins(phasor, 80)))
     still, moved = floors
     assert moved.amplitude == pytest.approx(still.amplitude, rel=0.01)

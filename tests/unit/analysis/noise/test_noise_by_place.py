@@ -37,6 +37,16 @@ def test_at_one_place_all_orders_are_the_same() -> None:
     assert _repetition(at_one) == pytest.approx(SIZE // 2, rel=0.05)
 
 
+def test_a_resonance_has_bins_of_its_own() -> None:
+    """Most of its power is in two orders, of which some are alike by chance."""
+    rng = np.random.default_rng(2)
+    bins = np.arange(1, 1 + PERIODS * SIZE // 2)
+    shape = 1.0 / (1.0 + ((bins - 300.0) / PERIODS) ** 2)
+    for _ in range(RECORDS):
+        noise = rng.standard_normal(len(bins)) + 1j * rng.standard_normal(len(bins))
+        assert repetition_of_bins(np.append(0.0, shape * noise), PERIODS, bins) < 1.5
+
+
 def test_too_few_periods_tell_nothing_of_it() -> None:
     assert _repetition(np.ones(SIZE), 6) == 1.0
 
