@@ -64,7 +64,8 @@ def true_numbers(what: Disturbance, made: Record, spectrum: CoherentSpectrum | N
     has_density = what.kind in UNCORRELATED
     if what.alternates and has_density:  # which is in the groups of the record's own phases
         truths["current_thd_f_groups"] = _groups_of_two(what, made)
-    if what.amplitude_noise[0] and has_density and not what.lines:  # likewise
+    is_steps_alone = not (what.lines or what.decay[0] or what.time_jitter)
+    if what.amplitude_noise[0] and has_density and is_steps_alone:  # likewise
         truths["current_thd_f_groups"] = _groups_of_steps(what, made)
     has_regimes = abs(what.second_regime - 1.0) > 0.1  # whose difference hides the harmonics too
     if not what.decay[0] and not has_regimes and not any(relative > 0.03 for _, relative in what.lines):
