@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.statistics.straight_lines import slope_weights
+from benchtool.analysis.statistics.straight_lines import places_about_middle, slope_weights
 from benchtool.analysis.steps.smoothing import Noise
 
 Floats = NDArray[np.float64]
@@ -57,3 +57,13 @@ class Slope:
         """Return whether samples at rest, shape (n,), have it too; the slope of slow noise does not go on."""
         later = Slope.of(samples)
         return later is not None and later.is_certain_at_rest and later.is_like(self)
+
+
+def without_drift(before: Floats, at_rest: Floats) -> tuple[Floats, Floats]:
+    """Return the samples before a step and those at rest after it without a drift that both have for certain:
+    it is no slow noise. The level before the step is then that at the step."""
+    drift = Slope.of(before)
+    if drift is None or not drift.is_certain_at_rest or not drift.goes_on_in(at_rest):
+        return before, at_rest
+    ahead, behind = np.arange(-len(before), 0), places_about_middle(len(at_rest))
+    return before - drift.value * ahead, at_rest - drift.value * behind

@@ -26,9 +26,9 @@ from benchtool.analysis.steps.departure import SIGMAS, departure
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.ringing import Ringing, ringing_about
-from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.slopes import Slope, without_drift
 from benchtool.analysis.steps.smoothing import Noise
-from benchtool.analysis.steps.step_drift import find_drift, wanders, without_drift
+from benchtool.analysis.steps.step_drift import find_drift, wanders
 from benchtool.analysis.steps.step_samples import plateau_numbers, tracking_numbers
 from benchtool.analysis.steps.step_shape import TAIL, Step, find_step
 from benchtool.analysis.steps.step_validity import UNDECIDED, why_unknown

@@ -21,6 +21,7 @@ from benchtool.analysis.statistics.outlying_samples import converter_step, witho
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
+from benchtool.analysis.steps.slopes import without_drift
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.treads import HELD, answered_tread, long_tread
 from benchtool.analysis.uncertainty import Uncertainty
@@ -111,8 +112,8 @@ class Step:
 
     @cached_property
     def y_noise(self) -> Noise:
-        """Noise at rest, before the step and in the last rows."""
-        return self.noise_of(self.y_before[: self.begin], self.y_clear[-self.tail :])
+        """Noise at rest, before the step and in the last rows; a drift that both have is none."""
+        return self.noise_of(*without_drift(self.y_before[: self.begin], self.y_clear[-self.tail :]))
 
     @cached_property
     def time_scatter(self) -> float:

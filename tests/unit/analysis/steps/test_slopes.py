@@ -49,6 +49,14 @@ def test_samples_that_drift_at_rest_scatter_about_a_line(drift: float, height: f
         assert mean.uncertainty.standard < 5e-4  # noise 1e-4, first row 2e-4; about a level 0.03
 
 
+def test_a_drift_beside_the_step_is_no_noise_of_the_row_in_which_it_arrives() -> None:
+    """Of a signal that drifts out of every band the noise is that about its drift."""
+    random, line = np.random.default_rng(3), 2.0 * DRIFT * (np.arange(ROWS) - BEFORE)
+    mean = _found(WAY + line + NOISE * random.standard_normal(ROWS), 1.0)["plateau_mean"]
+    assert mean.uncertainty is not None
+    assert mean.uncertainty.standard < 2e-4  # noise 1e-4; with the drift as slow noise 2.7e-4
+
+
 def test_a_drift_goes_on_and_the_slope_of_popcorn_noise_does_not() -> None:
     random, line = np.random.default_rng(13), DRIFT * np.arange(ROWS)
     goes_on: dict[str, list[bool]] = {"drift": [], "popcorn": []}
