@@ -21,13 +21,17 @@ _RMS = np.geomspace(0.01, 1.0, 80)  # of noise, in steps: of more a reading has 
 _PLACES = np.linspace(0.0, 1.0, 201)  # of the value, from a level to the next
 _LEVELS = np.arange(-6, 8)
 _WHOLE = 0.01  # of a step
+_FAR_STEPS, _FAR_SIGMAS = 2.0, 5.0  # from the median: noise that steps show in is hardly ever further
+_WITHIN_SIGMA = 15.87, 84.13  # percentiles
 _TWO_LEVELS, _AS_LIKELY = 1.5, 24  # steps from the least to the greatest; sizes of noise
 
 
 def noise_of_readings(readings: Floats, step: float) -> float:
     """Return the rms of normal noise about a value whose `readings`, shape (n,), are whole steps apart: that
     with which both their mean and their variance are as they are. Of others, as about a reference that moves,
-    the variance alone tells it."""
+    the variance alone tells it. Few readings far from the others, of heavy tails or clicks, count as near:
+    steps are in all others as without them."""
+    readings = without_far(readings, step)
     on_average = noise_beside(float(np.var(readings)), step)
     if not step > 0.0:
         return on_average
@@ -43,6 +47,16 @@ def noise_of_readings(readings: Floats, step: float) -> float:
     # of next to none the variance is that of two levels
     rises = np.maximum.accumulate(of_noise)
     return step * float(np.interp(variance, rises, _RMS, left=0.0))
+
+
+def without_far(readings: Floats, step: float) -> Floats:
+    """Return readings, shape (n,), none of them further from the median than two steps and than normal noise
+    as wide as most of them is; as they are without steps."""
+    if not step > 0.0:
+        return readings
+    low, median, high = np.percentile(readings, (_WITHIN_SIGMA[0], 50.0, _WITHIN_SIGMA[1])).tolist()
+    reach = max(_FAR_STEPS * step, _FAR_SIGMAS * 0.5 * (high - low))
+    return np.clip(readings, median - reach, median + reach)
 
 
 def error_of_mean(readings: Floats, step: float) -> float:

@@ -15,15 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import least_odds
-from benchtool.analysis.quantisation.read_noise import noise_of_readings
+from benchtool.analysis.quantisation.read_noise import noise_of_readings, without_far
 from benchtool.analysis.quantisation.repeated_steps import noise_beside
 from benchtool.analysis.statistics.clicks import KnownClicks, clicks_apart
 from benchtool.analysis.statistics.excesses import scatter_of_largest
 from benchtool.analysis.statistics.maxima import is_no_heavier_than_normal, scatter_of_largest_of_normal
 from benchtool.analysis.statistics.scatter import error_of_record, error_of_series
 from benchtool.analysis.statistics.tail import tail_index, tail_indices_of_heavy
+from benchtool.analysis.steps.arrival import (
+    away_from_level,
+    left_in_course,
+    noise_on_the_way,
+    places_to_begin,
+    row_at_rest,
+    slopes_in_time,
+)
 from benchtool.analysis.steps.bursts import LOUD
-from benchtool.analysis.steps.converter_levels import left_beside_a_line
+from benchtool.analysis.steps.converter_levels import left_beside_a_line, left_on_a_course
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.slopes import Slope
@@ -35,7 +43,6 @@ Floats = NDArray[np.float64]
 Side = Callable[[Floats], Floats]
 """From where the greatest of values is looked for: as they are, from below, or by their magnitude."""
 
-_AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
 _FEWEST_SAMPLES = 20  # whose scatter says something
 _FEWEST_MAXIMA = 4
 _SEED, _DRAWS, _FEWEST_DRAWS = 20_261_123, 80, 20
@@ -47,8 +54,6 @@ _LARGEST = 20  # deviations that tell whether both tails are alike
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _OF_SHAPE = 0.4  # of that, where noise hides the steps, whose distribution is not known
-_PLACES = 32  # in which an instant may be, each as likely
-_OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 _ON_THE_WAY = "noise of the samples on their way"
 _TIMES = "times of the samples, which scatter"
 
@@ -109,9 +114,9 @@ class ArrivedSamples:
         end = len(samples)
         first = min(math.ceil(begin.place), end)
         course = curve.values[:end].copy()
-        rest, drifts = _rest(course, first, band, noise.rms, event), False
+        rest, drifts = row_at_rest(course, first, band, noise.rms, event), False
         if drift is not None:
-            along = _rest(course - drift.value * np.arange(end), first, band, noise.rms, event)
+            along = row_at_rest(course - drift.value * np.arange(end), first, band, noise.rms, event)
             if drift.goes_on_in(samples[along:]):
                 rest, drifts = along, True
         noise_alone, added = noise_beside(noise.rms**2, step), 0.0
@@ -121,27 +126,30 @@ class ArrivedSamples:
             settled = samples[rest:]
             about = settled - without_a_line(settled) if drifts else None
             if about is None:
-                about = Tail.of(_away(course, first), band).goes_on_in(settled, rest)
+                about = Tail.of(away_from_level(course, first), band).goes_on_in(settled, rest)
             course[rest:] = np.mean(settled) if about is None else about
             elsewhere, noise = noise.rms, Noise.of(settled - course[rest:])
             if about is None:
                 noise_alone = noise_of_readings(settled, step)
-                added = max(0.0, float(np.var(settled)) - noise_alone**2)
+                added = max(0.0, float(np.var(without_far(settled, step))) - noise_alone**2)
             if not noise.rms < LOUD * elsewhere < LOUD**2 * noise.rms:
                 beside = ()
             elif drifts:
                 beside = tuple(without_a_line(each) for each in beside)
-        on_the_way = _unlike(curve.uneven, noise, first, rest)
+        on_the_way = noise_on_the_way(curve.uneven, noise, first, rest)
         rms: float | Floats = noise.rms
         if on_the_way is not None:
             rms = np.concatenate([on_the_way.rms, np.full(end - max(first, rest), noise.rms)])
-        of_course = _in_course(curve.errors[:, first:end], rms, begin)
+        of_course = left_in_course(curve.errors[:, first:end], rms, begin)
         of_rest = np.ones(end - first) if curve.beside is None else curve.beside[first:end].copy()
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
-        of_times[:rest] = curve.time_scatter * _slopes(curve.values[:end], curve.time_scatter)[:rest]
-        places = np.clip(np.ceil(_places(begin)), 0, max(0, end - 1)).astype(np.int64)
+        of_times[:rest] = curve.time_scatter * slopes_in_time(curve.values[:end], curve.time_scatter)[:rest]
+        places = np.clip(np.ceil(places_to_begin(begin)), 0, max(0, end - 1)).astype(np.int64)
         rows, counts = np.unique(places, return_counts=True)
+        left = left_of_steps(noise_alone, step)
+        if rest < end:
+            left = max(left * left_on_a_course(course[rest:], step), left_beside_a_line(samples[rest:], step))
         return cls(
             samples=samples,
             first=first,
@@ -155,7 +163,7 @@ class ArrivedSamples:
             at_rest=end - rest,
             noise=noise,
             step=step,
-            left=max(left_of_steps(noise_alone, step), left_beside_a_line(samples[rest:], step)),
+            left=left,
             added=added,
             on_the_way=on_the_way,
             beside=beside,
@@ -406,74 +414,6 @@ def _combined(noise: list[Contribution], begun: float, steps: float) -> Uncertai
     row = Contribution("row of the first of the samples", "B", begun)
     lines = [*noise, row, Contribution("step of a converter", "B", abs(steps))]
     return combined_by_names([each for each in lines if each.standard != 0.0] or [row])
-
-
-def _unlike(uneven: UnevenNoise | None, at_rest: Noise, first: int, rest: int) -> UnevenNoise | None:
-    """Return the noise of samples on their way from a row to another, if it is clearly another than at
-    rest."""
-    if uneven is None or not first < rest:
-        return None
-    found = uneven.rows(first, rest)
-    way = _rms(found.rms)
-    return found if way > LOUD * at_rest.rms or LOUD * way < at_rest.rms else None
-
-
-def _in_course(errors: Floats, rms: float | Floats, begin: Instant) -> Floats:
-    """Return the standard deviation of errors, shape (draws, n), of a course through noise of this rms, shape
-    (n,).
-
-    The level at the instant `begin` is the one that it is defined by: of the error in the first row only
-    what a row after that instant leaves open is there, and of others only what is not correlated with it.
-    """
-    count = errors.shape[1]
-    if not len(errors) or not count or not np.any(np.greater(rms, 0.0)):
-        return np.zeros(count)
-    square = float(np.mean(errors[:, 0] ** 2))
-    if begin.drawn and square > 0.0:
-        # within a row it is evenly distributed
-        known = 1.0 - _UNIFORM / math.hypot(_UNIFORM, begin.standard)
-        errors = errors - known * errors[:, :1] * (errors[:, 0] @ errors / (len(errors) * square))
-    return np.asarray(np.minimum(np.std(errors, axis=0), rms))
-
-
-def _slopes(curve: Floats, scatter: float) -> Floats:
-    """Return the slopes of a curve, shape (n,), as they may be where the times of its rows scatter: on a top,
-    where they are zero at an instant, by its bend over as long, and by what its neighbours scatter."""
-    if len(curve) < 2:
-        return np.zeros(len(curve))
-    square = np.pad(np.gradient(curve) ** 2, 1, mode="edge")
-    beside = min(1.0, _OF_NEIGHBOURS * scatter**2)
-    return np.asarray(np.sqrt((1.0 - beside) * square[1:-1] + 0.5 * beside * (square[:-2] + square[2:])))
-
-
-def _places(begin: Instant) -> Floats:
-    """Return places in which an instant may be, each as likely: as far about it as noise moves it about what
-    noise makes of it in the middle, as one that is picked from noisy samples is, and is drawn, too late."""
-    middles = (np.arange(_PLACES) + 0.5) / _PLACES
-    if not begin.drawn:  # without noise, anywhere that the samples allow
-        return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
-    return np.asarray(begin.place + np.nanquantile(begin.drawn, middles) - begin.of_drawn)
-
-
-def _away(curve: Floats, first: int) -> Floats:
-    """Return how far a curve, shape (n,), is from the level of the last quarter of what has arrived in the
-    row `first`."""
-    last = curve[len(curve) - max(1, (len(curve) - first) // 4) :]
-    return np.asarray(curve - np.median(last))
-
-
-def _rest(curve: Floats, first: int, band: float, noise: float, event: int) -> int:
-    """Return the row from which on what has arrived in the row `first` is at rest: where it stays near its
-    last level, twice that time after the event, and thrice where half of the samples are left; later where
-    its tail ends later, and leaves a third of them."""
-    end, away = len(curve), _away(curve, first)
-    settled = int(np.max(np.flatnonzero(np.abs(away) > band) + 1, initial=0))
-    if settled >= end:
-        return first
-    took = max(0, settled - event)
-    rest = max(first, event + _AT_REST * took, min(event + _IF_ROOM * took, (first + end) // 2))
-    later = Tail.of(away, band).end(noise)
-    return later if rest < later <= end - (end - first) // _IF_ROOM else rest
 
 
 def _alike(deviations: Floats) -> float:

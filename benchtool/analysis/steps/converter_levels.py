@@ -151,6 +151,17 @@ def _around(levels: Rows, least: int, row: int) -> tuple[int, ...]:
     return (int(low[at - 1]) + 1, int(low[at]) - 1) if 0 < at < len(low) else ()
 
 
+def left_on_a_course(course: Floats, step: float) -> float:
+    """Return what a course, shape (n,), leaves of the error that a converter's `step` makes in the mean of
+    samples, relative to that on one level: the harmonics of the rounding error average out over the levels
+    that it passes, as far as their mean phasor along it is short."""
+    if not step > 0.0 or not np.ptp(course) > 0.0:
+        return 1.0
+    number = np.arange(1, _HARMONICS + 1)
+    phasors = np.mean(np.exp(2j * np.pi / step * np.outer(number, course)), axis=1)
+    return math.sqrt(float(np.sum(np.abs(phasors / number) ** 2) / np.sum(1.0 / number**2)))
+
+
 def left_beside_a_line(at_rest: Floats, step: float) -> float:
     """Return the standard uncertainty that a converter's `step` leaves in the mean of samples at rest, shape
     (n,), that one line makes most of: a ripple of a step and more hides its steps far less than noise of the

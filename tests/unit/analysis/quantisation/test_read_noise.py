@@ -27,6 +27,14 @@ def test_noise_of_a_third_of_a_step_and_more_is_told_at_any_place(place: float, 
     assert noise_of_readings(readings(place, rms), STEP) == pytest.approx(rms * STEP, rel=0.08)
 
 
+def test_readings_far_from_the_others_hide_no_steps() -> None:
+    """Ten of 8000, each by 20 steps, make more of their variance than the noise does."""
+    read = readings(0.2, 0.33)
+    near = noise_of_readings(read, STEP)
+    read[:10] += 20.0 * STEP
+    assert noise_of_readings(read, STEP) == pytest.approx(near, rel=0.1)
+
+
 def test_next_to_no_noise_in_the_middle_between_levels_is_not_taken_for_half_a_step() -> None:
     assert float(np.std(readings(0.5, 0.02))) == pytest.approx(0.5 * STEP, rel=0.01)
     assert noise_of_readings(readings(0.5, 0.02), STEP) < 0.25 * STEP

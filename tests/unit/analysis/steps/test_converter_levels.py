@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import analyze_step
-from benchtool.analysis.steps.converter_levels import at_turns, left_beside_a_line, within_levels
+from benchtool.analysis.steps.converter_levels import (
+    at_turns,
+    left_beside_a_line,
+    left_on_a_course,
+    within_levels,
+)
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.block import Block
@@ -15,6 +22,7 @@ from benchtool.block import Block
 Floats = NDArray[np.float64]
 
 _ROWS = np.arange(400.0)
+_STEP = 0.3
 _DRAWS = 80
 
 
@@ -110,6 +118,16 @@ def test_a_ripple_of_a_step_and_more_does_not_hide_the_steps(amplitude: float) -
         errors.append(float(np.mean(read - ripple)))
         stated.append(left_beside_a_line(read, step))
     assert 0.7 < np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(stated))) < 1.4
+
+
+@pytest.mark.parametrize("steps", [0.0, 0.6, 1.4, 3.3])
+def test_a_course_over_several_levels_leaves_less_of_their_steps(steps: float) -> None:
+    course = steps * _STEP * np.linspace(-0.5, 0.5, 400)
+    places = _STEP * np.linspace(0.0, 1.0, 200, endpoint=False)
+    errors = [np.mean(_STEP * np.round((course + place) / _STEP) - course - place) for place in places]
+    of_level = _STEP / math.sqrt(12.0)
+    left = left_on_a_course(course, _STEP)
+    assert left * of_level == pytest.approx(float(np.sqrt(np.mean(np.square(errors)))), abs=0.02 * _STEP)
 
 
 def test_what_no_line_makes_is_not_that_of_a_line() -> None:
