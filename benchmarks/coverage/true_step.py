@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,25 +65,36 @@ class KnownStep:
         final = float(self.reference[-1])
         times = {
             "peak_time": NEVER,
-            "step_latency": _passed(after_s, y, _ARRIVED),
-            "reach_time": _passed(after_s, y, 1.0 - _ARRIVED),
-            "settling_time": _settled(after_s, y - final, band),
+            "step_latency": _passed(after_s, self.answer, _ARRIVED),
+            "reach_time": _passed(after_s, self.answer, 1.0 - _ARRIVED),
+            "settling_time": _settled(after_s, lambda at_s: self.answer(at_s) - final, band),
         }
         top = int(np.argmax(y))
-        peak_s, over = self._peak(after_s[max(0, top - 1) : top + 2], float(after_s[top]))
+        peak_s, greatest = self._greatest(after_s, top)
+        over = greatest - 1.0
         if over > _ROUNDING:
             times["peak_time"] = peak_s
         truths = {name: time_s - self.zero_s for name, time_s in times.items()}
-        truths["rise_time"] = _passed(after_s, y, _HIGH) - _passed(after_s, y, _LOW)
+        low_s, high_s = (_passed(after_s, self.answer, each) for each in (_LOW, _HIGH))
+        truths["rise_time"] = high_s - low_s
         truths["overshoot"] = abs(self.height) * max(0.0, over)
         truths["overshoot_percent"] = 100.0 * max(0.0, over)
-        truths["undershoot"] = abs(self.height) * max(0.0, final - float(np.min(y[top:])))
-        return {**truths, **self._of_samples(after_s, y + self.drift * after_s, band)}
+        lowest = top + int(np.argmin(y[top:]))
+        least = float(y[lowest])
+        if final - least > _ROUNDING:
+            _, least = self._greatest(after_s, lowest, sign=-1.0)
+        truths["undershoot"] = abs(self.height) * max(0.0, final - least)
+        return {**truths, **self._of_samples(after_s, band)}
 
-    def _of_samples(self, after_s: Floats, y: Floats, band: float) -> Mapping[str, float]:
-        """Return the truths of the samples once an answer `y`, with whatever moves it, has arrived."""
+    def _of_samples(self, after_s: Floats, band: float) -> Mapping[str, float]:
+        """Return the truths of the samples once the answer, with what it drifts by, has arrived."""
         final, greatest = float(self.reference[-1]), 1.0 - _ARRIVED
-        reached_s, settled_s = _passed(after_s, y, greatest), _settled(after_s, y - final, band)
+
+        def moved(at_s: Floats) -> Floats:
+            return np.asarray(self.answer(at_s)) + self.drift * at_s
+
+        reached_s = _passed(after_s, moved, greatest)
+        settled_s = _settled(after_s, lambda at_s: moved(at_s) - final, band)
         held = np.maximum.accumulate(self.reference) >= greatest
         falls = held & (self.reference < greatest)
         end = int(np.argmax(falls)) if np.any(falls) else len(falls)
@@ -113,38 +125,53 @@ class KnownStep:
         band = stated / abs(self.height)
         return _ARRIVED if math.isclose(band, _ARRIVED, rel_tol=_NEARLY) else band
 
-    def _peak(self, near_s: Floats, top_s: float) -> tuple[float, float]:
-        """Return when the answer is the greatest, near these instants, and how far beyond 1 it is then."""
+    def _greatest(self, after_s: Floats, top: int, sign: float = 1.0) -> tuple[float, float]:
+        """Return when the answer is the greatest, or the least with a `sign` of -1, near that of these
+        instants, and what it is then."""
 
-        def beyond(at_s: float) -> float:
-            return float(self.answer(np.array([at_s]))[0]) - 1.0
+        def below(at_s: float) -> float:
+            return -sign * float(self.answer(np.array([at_s]))[0])
 
+        near_s = after_s[max(0, top - 1) : top + 2]
         found = optimize.minimize_scalar(
-            lambda at_s: -beyond(at_s),
+            below,
             bounds=(near_s[0], near_s[-1]),
             method="bounded",
             options={"xatol": 1e-6 * (near_s[-1] - near_s[0])},
         )
-        place_s = float(max((top_s, float(found.x)), key=beyond))
-        return place_s, beyond(place_s)
+        place_s = min(float(after_s[top]), float(found.x), key=below)
+        return place_s, -sign * below(place_s)
 
 
-def _passed(time: Floats, y: Floats, level: float) -> float:
-    """Return when a level is first reached."""
-    above = np.flatnonzero(y >= level)
-    if not len(above):
+def _passed(time_s: Floats, of: Callable[[Floats], Floats], level: float) -> float:
+    """Return when what is a function of these times first reaches a level."""
+    above = np.flatnonzero(np.asarray(of(time_s)) >= level)
+    return NEVER if not len(above) else _root(time_s, int(above[0]), lambda at_s: of(at_s) - level)
+
+
+def _settled(time_s: Floats, away: Callable[[Floats], Floats], band: float) -> float:
+    """Return when what is `away` from its last level, by times, stays within a band."""
+    outside = np.flatnonzero(np.abs(away(time_s)) > band)
+    if not len(outside) or outside[-1] == len(time_s) - 1:
         return NEVER
-    pair = slice(max(0, int(above[0]) - 1), int(above[0]) + 1)
-    return float(np.interp(level, y[pair], time[pair]))
+    return _root(time_s, int(outside[-1]) + 1, lambda at_s: band - np.abs(away(at_s)))
 
 
-def _settled(time: Floats, away: Floats, band: float) -> float:
-    """Return when what is `away` from its last level stays within a band."""
-    outside = np.flatnonzero(np.abs(away) > band)
-    if not len(outside) or outside[-1] == len(away) - 1:
-        return NEVER
-    pair = slice(int(outside[-1]), int(outside[-1]) + 2)
-    return float(np.interp(-band, -np.abs(away[pair]), time[pair]))
+def _root(time_s: Floats, at: int, above: Callable[[Floats], Floats]) -> float:
+    """Return when what is a function of time rises to zero, as it has at one of these times and had not at
+    that before."""
+    if not at:
+        return float(time_s[0])
+    before_s, after_s = (float(each) for each in time_s[at - 1 : at + 1])
+    of = partial(_at, above)
+    if of(before_s) >= 0.0:  # by rounding
+        return before_s
+    tolerance = 1e-6 * (after_s - before_s)
+    return float(optimize.brentq(of, before_s, after_s, xtol=tolerance)) if of(after_s) >= 0.0 else after_s
+
+
+def _at(of: Callable[[Floats], Floats], time_s: float) -> float:
+    return float(np.asarray(of(np.array([time_s])))[0])
 
 
 def _rms(values: Floats) -> float:

@@ -105,6 +105,7 @@ class NoisyCurve:
         before: int = 0,
         of_plateau: Noise | None = None,
         step: float | None = None,
+        doubt: Floats | float = 0.0,
     ) -> NoisyCurve:
         """Return the curve through samples, shape (n,), the first of which is where a transient begins; there
         were so many `before`, with the `noise` at rest, which need not be that `of_plateau`. The `step` of
@@ -112,7 +113,7 @@ class NoisyCurve:
 
         Where noise does not hide the steps of a converter, what is read as one of its levels may be anywhere
         within half a step of it, or within what the noise leaves of that. Where the times of the samples
-        scatter, each is off by that times the slope of the curve.
+        scatter, each is off by that times the slope of the curve; `doubt`, shape (n,), is by how much more.
         """
         count, shown = len(samples), converter_step(samples)
         step = shown if step is None else step
@@ -127,9 +128,9 @@ class NoisyCurve:
             of_steps = _left_of_steps(noise.rms, step) * within_levels(random, samples, step, draws)
         scatter = scatter_of_times(samples, noise, shown)
         if noise.rms == 0.0:
-            of_times = _of_times(random, samples, scatter, draws)
+            of_times = _of_times(random, samples, scatter, draws, doubt)
             if isinstance(of_steps, float):
-                known = scatter == 0.0
+                known = scatter == 0.0 and not np.any(doubt)
                 return cls(samples, np.empty((0, count)) if known else of_times, scatter)
             at_levels = at_turns(random, samples, step, of_steps) - of_steps
             return cls(samples, of_steps + of_times, scatter, turned=at_levels)
@@ -143,8 +144,8 @@ class NoisyCurve:
         if isinstance(of_steps, np.ndarray):
             turned = smoother.apply(at_turns(random, samples, step, of_steps) - of_steps)
             of_steps = smoother.apply(of_steps)
-        if scatter:
-            errors += smoother.apply(_of_times(random, curve, scatter, draws))
+        if scatter or np.any(doubt):
+            errors += smoother.apply(_of_times(random, curve, scatter, draws, doubt))
         blunt = longer.apply(samples)
         bias = _OF_BIAS * (blunt - curve)
         beside = np.std(drawn - errors, axis=0) / np.std(drawn, axis=0)
@@ -442,7 +443,10 @@ def _left_of_steps(noise_rms: float, step: float) -> float:
     return share_left(noise_beside(noise_rms**2, step), step)
 
 
-def _of_times(random: np.random.Generator, curve: Floats, scatter: float, draws: int) -> Floats:
-    """Return errors, shape (draws, n), of samples whose times scatter by so many rows."""
+def _of_times(
+    random: np.random.Generator, curve: Floats, scatter: float, draws: int, doubt: Floats | float
+) -> Floats:
+    """Return errors, shape (draws, n), of samples whose times scatter by so many rows, and some of which are
+    in doubt."""
     slope = np.gradient(curve) if scatter else np.zeros(len(curve))
-    return np.asarray(scatter * slope * random.standard_normal((draws, len(curve))))
+    return np.asarray(np.hypot(scatter * slope, doubt) * random.standard_normal((draws, len(curve))))

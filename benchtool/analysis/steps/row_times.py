@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ _ROUNDING = 1e-6  # of the greatest change from row to row
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _ROUNDS = 10
 _FEWEST_CHANGES = 10
+_LONGEST, _OFTEN = 3, 0.1  # rows that repeat one; of those on the way, of which more are no rare lapse
+_BESIDE = 3  # rows to either side, the polynomial through which is what a course does between
 
 
 def scatter_of_times(samples: Floats, noise: Noise, step: float) -> float:
@@ -97,6 +100,64 @@ def _least_deviations(known: Floats, wanted: Floats) -> Floats:
         left = np.abs(wanted - known @ solution)
         weights = 1.0 / np.sqrt(np.maximum(left, float(np.median(left)) + np.finfo(float).tiny))
     return np.asarray(solution)
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Samples, shape (n,), `without` the rows that repeat the one before, of which there are `count`, and the
+    standard uncertainty of these, `doubt`, shape (n,), 0 of all others."""
+
+    without: Floats
+    doubt: Floats
+    count: int = 0
+
+    @classmethod
+    def among(cls, samples: Floats, step: float) -> Repeats:
+        """Find the rows of samples, shape (n,), that repeat the one before on the way, up to three of them,
+        and put them on the polynomial through three rows to either side; where they are often there are none.
+
+        They tell nothing: noise makes no two rows equal, and the `step` of a converter none among changes of
+        more than two of it, on whose levels they are put. How far they are from the cubic through two rows to
+        either side is how little they are known.
+        """
+        lapses = _lapses(samples, step)
+        if not lapses:
+            return cls(samples, np.zeros(len(samples)))
+        is_new = np.ones(len(samples), dtype=np.bool_)
+        for begin, end in lapses:
+            is_new[begin + 1 : end + 1] = False
+        new = np.flatnonzero(is_new)
+        without, doubt = samples.copy(), np.zeros(len(samples))
+        for begin, end in lapses:
+            at = int(np.searchsorted(new, begin)) + 1
+            rows, near = np.arange(begin + 1, end + 1), new[max(0, at - _BESIDE) : at + _BESIDE]
+            values = _through(near, samples[near], rows)
+            doubt[rows] = np.abs(values - _through(near[1:-1], samples[near[1:-1]], rows))
+            if step:
+                values = samples[begin] + step * np.round((values - samples[begin]) / step)
+            without[rows] = values
+        return cls(without, doubt, len(samples) - len(new))
+
+
+def _lapses(samples: Floats, step: float) -> list[tuple[int, int]]:
+    """Return rows that are repeated, and the last that repeat each; none where that is often."""
+    changes = np.abs(np.diff(samples))
+    moves = changes > max(_FAR_FROM_STEP * step, _ROUNDING * float(np.max(changes, initial=0.0)))
+    edges = np.flatnonzero(np.diff(changes == 0.0, prepend=False, append=False)).reshape(-1, 2)
+    short = edges[(edges[:, 1] - edges[:, 0] <= _LONGEST) & (edges[:, 0] > 0) & (edges[:, 1] < len(changes))]
+    found = short[moves[short[:, 0] - 1] & moves[short[:, 1]]]
+    rare = np.sum(found[:, 1] - found[:, 0]) <= _OFTEN * np.count_nonzero(moves)
+    return [(begin, end) for begin, end in found.tolist()] if rare else []
+
+
+def _through(known: NDArray[np.int64], values: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Return the polynomial through values in known rows, in others, shape (n,), by Lagrange's formula."""
+    others = [np.delete(known, at) for at in range(len(known))]
+    weights = [
+        np.prod((rows[:, np.newaxis] - away) / (row - away), axis=1)
+        for row, away in zip(known, others, strict=True)
+    ]
+    return np.asarray(values @ np.stack(weights))
 
 
 def _of_repeated(samples: Floats, far: float) -> float:

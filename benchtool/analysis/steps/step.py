@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -84,8 +85,12 @@ def analyze_step(block: Block, signal: str, reference: str, *, held: bool = Fals
     drift = find_drift(step, at_rest)
     drifting = curve.drifting(drift.doubt, len(step.y_before))
     found = tuple(_measurements(step, drifting, band, drift.slope))
+    if step.repeats:
+        repeats = count_of(step.repeats, "sample that repeats", "samples that repeat")
+        found = tuple(_without(found, f"{repeats} the one before"))
     if step.clicks:
-        found = tuple(_without_clicks(found, step.clicks))
+        clicks = count_of(step.clicks, "sample that is", "samples that are")
+        found = tuple(_without(found, f"{clicks} far from the neighbours"))
     if drift.reason:
         found = tuple(_without_drift(found, drift.reason))
     wandering = wanders(step, at_rest, drifts=bool(drift.reason) or drift.doubt > 0.0)
@@ -109,14 +114,13 @@ def _rest(step: Step, settled: Instant, tail: Tail) -> int:
     return later if begin < later <= (1.0 - _LONGER * TAIL) * len(step.y) else begin
 
 
-def _without_clicks(found: Iterable[Measurement], clicks: int) -> Iterator[Measurement]:
-    """Yield the numbers; what is of the smooth curve says how many samples are not in it, and what is of the
-    samples how many may be in it."""
-    left_out = count_of(clicks, "sample that is", "samples that are")
+def _without(found: Iterable[Measurement], left_out: str) -> Iterator[Measurement]:
+    """Yield the numbers; what is of the smooth curve says which samples are not in it, and what is of the
+    samples which may be in it."""
     for each in found:
         is_of_samples = each.name.startswith(_OF_SAMPLES)
         told = f"the record has {left_out}" if is_of_samples else f"without {left_out}"
-        yield replace(each, definition=f"{each.definition}; {told} far from the neighbours")
+        yield replace(each, definition=f"{each.definition}; {told}")
 
 
 def _without_drift(found: Iterable[Measurement], reason: str) -> Iterator[Measurement]:
@@ -159,7 +163,15 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
     """Return the smooth curve, with the noise of all samples at rest where these are many more than the last;
     and the samples long after the signal has settled, of what a drift keeps from it the later half."""
     before = len(step.y_before)
-    curve = NoisyCurve.through(step.y_clear, step.y_noise, before, step.of_plateau, step.level_step)
+    through = partial(
+        NoisyCurve.through,
+        step.y_clear,
+        before=before,
+        of_plateau=step.of_plateau,
+        step=step.level_step,
+        doubt=step.y_doubt,
+    )
+    curve = through(noise=step.y_noise)
     band = _band(step, curve)
     settled = curve.last_outside(step.final, band, step.fall)
     if settled is None or not math.isfinite(settled.standard):
@@ -180,7 +192,7 @@ def _curve(step: Step) -> tuple[NoisyCurve, Floats]:
         away = float(np.mean(y_before)) - step.before
         wander = float(np.std(means_of_parts(y_settled)))
         noise = replace(noise, offset=max(offset, math.hypot(away, wander)))
-    return NoisyCurve.through(step.y_clear, noise, before, step.of_plateau, step.level_step), at_rest
+    return through(noise=noise), at_rest
 
 
 def _band(step: Step, curve: NoisyCurve) -> float:

@@ -139,7 +139,7 @@ def _arrived(
         late = 0.5 * step.shown_late
         drawn = tuple(each - late for each in since.drawn)
         since = replace(since, place=since.place - late, drawn=drawn).widened(late)
-    if step.clicks and step.time_scatter > course.time_scatter:
+    if step.time_scatter > course.time_scatter:
         since = since.widened(math.sqrt(step.time_scatter**2 - course.time_scatter**2))
         course = replace(course, time_scatter=step.time_scatter)
     seen = None if drift is None else drift.seen_from(step.sign)

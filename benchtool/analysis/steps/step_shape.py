@@ -20,7 +20,7 @@ from benchtool.analysis.statistics.clicks import KnownClicks
 from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.plateau_noise import noise_of_plateau
-from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
+from benchtool.analysis.steps.row_times import Repeats, even_hold, scatter_of_times
 from benchtool.analysis.steps.slopes import without_drift
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.analysis.steps.treads import HELD, answered_tread, long_tread
@@ -55,8 +55,9 @@ class Step:
     reference, the last of its `tail` rows; `greatest_error` and `final_error` are the standard uncertainties
     that its noise leaves in these, and `r_errors`, shape (draws, n), what it may leave in `r`; without noise
     there are no draws. `y_clear` is the signal without its `clicks` samples that are far from their
-    neighbours, `known_clicks` are those left out, `y_before` is the same up to the step, `r_before` the
-    reference until then, and `of_plateau` the noise on the plateau if it is another than at rest. A speed
+    neighbours and its `repeats` of the one before, `known_clicks` are those of the former left out, `y_doubt`
+    the standard uncertainty of what stands for the latter, `y_before` is the same up to the step, `r_before`
+    the reference until then, and `of_plateau` the noise on the plateau if it is another than at rest. A speed
     `is_counted` where each sample is how far a counter has come since the one before. `shown_late` is for how
     long after a row it is shown at most, in rows.
     """
@@ -65,6 +66,8 @@ class Step:
     y_clear: Floats
     clicks: int
     known_clicks: KnownClicks
+    repeats: int
+    y_doubt: Floats
     y_before: Floats
     is_counted: bool
     of_plateau: Noise | None
@@ -117,8 +120,8 @@ class Step:
 
     @cached_property
     def time_scatter(self) -> float:
-        """Standard deviation of the times of the samples, in rows: one that repeats the row before on the way
-        of an answer without noise is a click, which is not in the curve and among the samples. 0 without."""
+        """Standard deviation of the times of the samples, in rows: what repeats the row before is not in the
+        curve and among the samples. 0 without."""
         is_late = (self.y != self.y_clear) & (np.diff(self.y, prepend=math.nan) == 0.0)
         return scatter_of_times(self.y, self.y_noise, self.converter_step) if np.any(is_late) else 0.0
 
@@ -209,7 +212,8 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
             f"for longer after it"
         )
     tail = max(1, round(TAIL * len(r)))
-    clear, clicks = _without_clicks(y, begin)
+    repeats = Repeats.among(y, converter_step(y))
+    clear, clicks = _without_clicks(repeats.without, begin)
     rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
     against = (
         f"{signal} against {reference}, which goes from {sign * before:.6g} to {sign * greatest:.6g} "
@@ -221,7 +225,9 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
         y=y[begin:],
         y_clear=clear[begin:],
         clicks=clicks,
-        known_clicks=_known_clicks(y, clear, begin),
+        known_clicks=_known_clicks(repeats.without, clear, begin),
+        repeats=repeats.count,
+        y_doubt=repeats.doubt[begin:],
         y_before=clear[: max(1, begin)],
         is_counted=is_counted((clear[:begin], clear[-tail:]), converter_step(y)),
         of_plateau=_noise_of_plateau(clear, r, begin, greatest, tail, y),

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, analyze_step
-from benchtool.analysis.steps.row_times import even_hold, scatter_of_times
+from benchtool.analysis.steps.row_times import Repeats, even_hold, scatter_of_times
 from benchtool.analysis.steps.smoothing import Noise
 from benchtool.block import Block
 
@@ -133,3 +133,36 @@ def test_rows_that_repeat_the_one_before_are_seen_in_noise_and_on_levels(rms: fl
     late_rows = share * (1.0 + share) / (1.0 - share) ** 2
     assert scatter_of_times(_stale(y, share, random), noise, step) == pytest.approx(late_rows**0.5, rel=0.4)
     assert scatter_of_times(y, noise, step) < 0.05
+
+
+@pytest.mark.parametrize(("rms", "step"), [(0.0, 0.0), (1e-3, 0.0), (0.0, 1e-3)])
+def test_rows_that_repeat_the_one_before_are_on_the_course_of_the_others(rms: float, step: float) -> None:
+    random = np.random.default_rng(8)
+    course = _ringing(np.arange(400.0) - 20.7) + rms * random.standard_normal(400)
+    y = np.round(course / step) * step if step else course
+    stale = _stale(y, 0.04, random)
+    found = Repeats.among(stale, step)
+    is_mended = found.without != stale
+    assert found.count >= max(1, np.count_nonzero(is_mended))
+    assert np.array_equal(found.doubt > 0.0, is_mended) or step
+    apart = np.abs(found.without - y)[is_mended]
+    assert np.all(apart <= 10.0 * found.doubt[is_mended] + 4.0 * rms + 1.01 * step)
+    assert np.mean(apart) < 0.4 * np.mean(np.abs(stale - y)[is_mended]) + rms
+    assert Repeats.among(y, step).count == 0
+
+
+def test_rows_that_often_repeat_the_one_before_stay() -> None:
+    y = _stale(_ringing(np.arange(400.0) - 20.7), 0.3, np.random.default_rng(8))
+    assert np.array_equal(Repeats.among(y, 0.0).without, y)
+
+
+def test_times_are_those_of_the_rows_that_are_new() -> None:
+    """They are known to a thousandth of a row where none near them repeats, and to what a row bends there."""
+    true_rows = DEAD + TAU * np.log(50.0)
+    for seed in range(3):
+        y = _stale(_lag(np.arange(ROWS) - float(BEFORE)), 0.05, np.random.default_rng(seed))
+        reach = _measured(y)["reach_time"]
+        assert reach.uncertainty is not None
+        assert reach.uncertainty.standard < 2e-3 / 1e4
+        assert abs(reach.value * 1e4 - true_rows) < 2e-3
+        assert "that repeat the one before" in reach.definition
