@@ -143,7 +143,7 @@ def test_rows_that_repeat_the_one_before_are_on_the_course_of_the_others(rms: fl
     stale = _stale(y, 0.04, random)
     found = Repeats.among(stale, step)
     is_mended = found.without != stale
-    assert found.count >= max(1, np.count_nonzero(is_mended))
+    assert found.count >= max(1, int(np.count_nonzero(is_mended)))
     assert np.array_equal(found.doubt > 0.0, is_mended) or step
     apart = np.abs(found.without - y)[is_mended]
     assert np.all(apart <= 10.0 * found.doubt[is_mended] + 4.0 * rms + 1.01 * step)
@@ -160,7 +160,9 @@ def test_times_are_those_of_the_rows_that_are_new() -> None:
     """They are known to a thousandth of a row where none near them repeats, and to what a row bends there."""
     true_rows = DEAD + TAU * np.log(50.0)
     for seed in range(3):
-        y = _stale(_lag(np.arange(ROWS) - float(BEFORE)), 0.05, np.random.default_rng(seed))
+        y = _stale(
+            _lag(np.arange(-BEFORE, ROWS - BEFORE, dtype=np.float64)), 0.05, np.random.default_rng(seed)
+        )
         reach = _measured(y)["reach_time"]
         assert reach.uncertainty is not None
         assert reach.uncertainty.standard < 2e-3 / 1e4
