@@ -43,7 +43,7 @@ def scatter_of_times(samples: Floats, noise: Noise, step: float) -> float:
     would be far too certain. It is by the median: corners are few. Rows that repeat the one before, each of
     which is a row late, are counted.
     """
-    repeated = _of_repeated(samples, _FAR_FROM_STEP * step + (_CLEAR * noise.rms if step else 0.0))
+    repeated = _of_repeated(samples, _far(noise, step))
     least = math.inf
     for residual, weights, fitted in _residuals(samples):
         of_noise = math.hypot(noise.of_sum(weights), step * math.sqrt(float(weights @ weights) / 12.0))
@@ -59,6 +59,11 @@ def scatter_of_times(samples: Floats, noise: Noise, step: float) -> float:
         left *= rows / (rows - fitted)
         least = min(least, left * (1.0 + _OF_SQUARE / math.sqrt(rows)))
     return math.sqrt((least if math.isfinite(least) else 0.0) + repeated)
+
+
+def _far(noise: Noise, step: float) -> float:
+    """Return by how much neighbours differ that a converter does not make equal."""
+    return _FAR_FROM_STEP * step + (_CLEAR * noise.rms if step else 0.0)
 
 
 def _on_slope(samples: Floats, size: int) -> NDArray[np.bool_]:
@@ -112,15 +117,15 @@ class Repeats:
     count: int = 0
 
     @classmethod
-    def among(cls, samples: Floats, step: float) -> Repeats:
+    def among(cls, samples: Floats, noise: Noise, step: float) -> Repeats:
         """Find the rows of samples, shape (n,), that repeat the one before on the way, up to three of them,
         and put them on the polynomial through three rows to either side; where they are often there are none.
 
-        They tell nothing: noise makes no two rows equal, and the `step` of a converter none among changes of
-        more than two of it, on whose levels they are put. How far they are from the cubic through two rows to
-        either side is how little they are known.
+        They tell nothing: noise alone makes no two rows equal, and the `step` of a converter, on whose levels
+        they are put, none among changes of more than both. How far they are from the cubic through two rows
+        to either side is how little they are known.
         """
-        lapses = _lapses(samples, step)
+        lapses = _lapses(samples, _far(noise, step))
         if not lapses:
             return cls(samples, np.zeros(len(samples)))
         is_new = np.ones(len(samples), dtype=np.bool_)
@@ -139,10 +144,11 @@ class Repeats:
         return cls(without, doubt, len(samples) - len(new))
 
 
-def _lapses(samples: Floats, step: float) -> list[tuple[int, int]]:
-    """Return rows that are repeated, and the last that repeat each; none where that is often."""
+def _lapses(samples: Floats, far: float) -> list[tuple[int, int]]:
+    """Return rows that are repeated, between changes of more than `far`, and the last that repeat each; none
+    where that is often."""
     changes = np.abs(np.diff(samples))
-    moves = changes > max(_FAR_FROM_STEP * step, _ROUNDING * float(np.max(changes, initial=0.0)))
+    moves = changes > max(far, _ROUNDING * float(np.max(changes, initial=0.0)))
     edges = np.flatnonzero(np.diff(changes == 0.0, prepend=False, append=False)).reshape(-1, 2)
     short = edges[(edges[:, 1] - edges[:, 0] <= _LONGEST) & (edges[:, 0] > 0) & (edges[:, 1] < len(changes))]
     found = short[moves[short[:, 0] - 1] & moves[short[:, 1]]]

@@ -212,7 +212,7 @@ def find_step(block: Block, signal: str, reference: str, *, held: bool = False) 
             f"for longer after it"
         )
     tail = max(1, round(TAIL * len(r)))
-    repeats = Repeats.among(y, converter_step(y))
+    repeats = Repeats.among(y, Noise.of(y[:begin], y[-tail:]), converter_step(y))
     clear, clicks = _without_clicks(repeats.without, begin)
     rate_Hz, after = block.sample_rate_Hz / held_rows, len(y) - begin
     against = (

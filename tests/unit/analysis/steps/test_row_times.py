@@ -141,19 +141,19 @@ def test_rows_that_repeat_the_one_before_are_on_the_course_of_the_others(rms: fl
     course = _ringing(np.arange(400.0) - 20.7) + rms * random.standard_normal(400)
     y = np.round(course / step) * step if step else course
     stale = _stale(y, 0.04, random)
-    found = Repeats.among(stale, step)
+    found = Repeats.among(stale, SILENT, step)
     is_mended = found.without != stale
     assert found.count >= max(1, int(np.count_nonzero(is_mended)))
     assert np.array_equal(found.doubt > 0.0, is_mended) or step
     apart = np.abs(found.without - y)[is_mended]
     assert np.all(apart <= 10.0 * found.doubt[is_mended] + 4.0 * rms + 1.01 * step)
     assert np.mean(apart) < 0.4 * np.mean(np.abs(stale - y)[is_mended]) + rms
-    assert Repeats.among(y, step).count == 0
+    assert Repeats.among(y, SILENT, step).count == 0
 
 
 def test_rows_that_often_repeat_the_one_before_stay() -> None:
     y = _stale(_ringing(np.arange(400.0) - 20.7), 0.3, np.random.default_rng(8))
-    assert np.array_equal(Repeats.among(y, 0.0).without, y)
+    assert np.array_equal(Repeats.among(y, SILENT, 0.0).without, y)
 
 
 def test_times_are_those_of_the_rows_that_are_new() -> None:
@@ -168,3 +168,10 @@ def test_times_are_those_of_the_rows_that_are_new() -> None:
         assert reach.uncertainty.standard < 2e-3 / 1e4
         assert abs(reach.value * 1e4 - true_rows) < 2e-3
         assert "that repeat the one before" in reach.definition
+
+
+def test_rows_that_noise_and_the_steps_of_a_converter_make_equal_do_not_repeat() -> None:
+    random, step, rms = np.random.default_rng(2), 1e-2, 2.5e-2
+    y = step * np.round((_lag(np.arange(400.0) - 20.7) + rms * random.standard_normal(400)) / step)
+    assert Repeats.among(y, Noise(np.array([rms**2])), step).count == 0
+    assert Repeats.among(y, SILENT, step).count > 0
