@@ -157,13 +157,10 @@ def _lapses(samples: Floats, far: float) -> list[tuple[int, int]]:
 
 
 def _through(known: NDArray[np.int64], values: Floats, rows: NDArray[np.int64]) -> Floats:
-    """Return the polynomial through values in known rows, in others, shape (n,), by Lagrange's formula."""
-    others = [np.delete(known, at) for at in range(len(known))]
-    weights = [
-        np.prod((rows[:, np.newaxis] - away) / (row - away), axis=1)
-        for row, away in zip(known, others, strict=True)
-    ]
-    return np.asarray(values @ np.stack(weights))
+    """Return the polynomial through values in known rows, in others, shape (n,)."""
+    from scipy.interpolate import barycentric_interpolate
+
+    return np.asarray(barycentric_interpolate(known, values, rows))
 
 
 def _of_repeated(samples: Floats, far: float) -> float:
