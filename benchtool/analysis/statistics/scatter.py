@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above, students_deviation
 from benchtool.analysis.fast_lengths import next_fast_length
-from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.lowest_frequencies import SlowNoise, slow_noise
 from benchtool.analysis.statistics.neighbours import in_deviations, neighbours_alike
+from benchtool.analysis.statistics.oscillations import mean_moved_by_oscillations, tapered_power
 from benchtool.analysis.statistics.slow_swing import slow_swing
 from benchtool.analysis.uncertainty import Contribution
 
@@ -31,7 +31,7 @@ BLOCKS = 4096
 
 _LOWEST, _FEWEST_OF_LOWEST, _FAR_BELOW = 5, 5, 5.0
 _DOF_OF_LOWEST = 2.0 * _LOWEST
-_OF_HANN, _CLEARLY_LESS = 0.375, 2.0  # mean square of the window; times the power, beyond chance
+_CLEARLY_LESS = 2.0  # times the power, beyond chance
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
@@ -215,7 +215,7 @@ def error_of_record(samples: NDArray[np.float64], beside: Sequence[NDArray[np.fl
     error = at_lowest_frequencies(samples, by_parts, beside=beside)
     if error.basis is not Basis.LOWEST:
         return error
-    return replace(error, standard=max(error.standard, _of_oscillations(samples)))
+    return replace(error, standard=max(error.standard, mean_moved_by_oscillations(samples, _LOWEST)))
 
 
 def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:
@@ -403,24 +403,8 @@ def _without_aliases(
 ) -> MeanError:
     """Return the error of the mean of samples, shape (n,), whose `parts` wander, by their lowest frequencies
     where these hold no such wander: an oscillation of nearly as many cycles as there are parts makes it."""
-    power = float(np.mean(_tapered_power(samples)[1 : _LOWEST + 1]))
+    power = float(np.mean(tapered_power(samples)[1 : _LOWEST + 1]))
     return by_parts if _CLEARLY_LESS * power >= float(np.var(parts)) / len(parts) else _by_lowest(power)
-
-
-def _of_oscillations(samples: NDArray[np.float64]) -> float:
-    """Return the standard deviation of the mean of samples, shape (n,), by oscillations, wherever they begin
-    and however many cycles they have: 1 / (2 pi^2 k^2) of the mean square of k cycles."""
-    power = _tapered_power(samples)
-    number = np.arange(_LOWEST, len(power))
-    return math.sqrt(float(np.sum(power[_LOWEST:] / number**2))) / math.pi
-
-
-def _tapered_power(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the power of samples, shape (n,), in bins under Hann's window, which keeps oscillations from the
-    lowest of them, as the variance of a mean that noise of this density has, shape (n // 2 + 1,)."""
-    window = spectral_window("hann", len(samples))
-    bins = fft.rfft((samples - np.sum(window * samples) / np.sum(window)) * window)
-    return np.asarray((bins.real**2 + bins.imag**2) / (_OF_HANN * len(samples) ** 2))
 
 
 def means_of_parts(samples: NDArray[np.float64]) -> NDArray[np.float64]:
