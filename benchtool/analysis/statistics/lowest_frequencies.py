@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.statistics.density_bands import FEWEST_BINS, SINGLE, Bands, Densities
-from benchtool.analysis.statistics.falling_densities import falling_densities
+from benchtool.analysis.statistics.falling_densities import falling_densities, noise_of_lags
 from benchtool.analysis.uncertainty import COVERAGE
 
 Floats = NDArray[np.float64]
@@ -30,6 +30,7 @@ _EXPONENTS = np.array([0.3, 0.6, 1.0, 1.5, 2.0])  # of the density's fall with f
 _CORNERS = _LOWEST * 2.0 ** np.arange(17)  # cycles in the record, below which the density is flat
 _FLOORS = 2.0 ** np.arange(0.0, 12.0, 1.5)  # cycles in the record, above which white noise hides the fall
 _FALLS = 0.2  # probability before the record is seen that the density falls towards zero
+_OF_A_LAG = 0.1  # likewise that it is level below such a corner as half of those that fall have a crest
 _NEAR_ZERO = 32.0  # cycles in the record, and below the first harmonic: a ripple's density rises above
 _WHITE = 0.7  # probability before the record is seen of white noise, or of such from period to period
 _SCALELESS = 0.5  # probability that such a density has no corner
@@ -221,8 +222,13 @@ class _Reference:
 
     def fits_of_falling(self) -> Floats:
         """Return those of densities that fall, each with any white noise, shape (densities,)."""
-        falling, of_mean, _ = _falling(self.bands.place.tobytes())
+        falling, of_mean, _ = falling_densities(self.bands.place.tobytes())
         return _log_mean(self.bands.fits(falling).reshape(of_mean.shape))
+
+    def fits_of_lags(self) -> Floats:
+        """Return those of first-order lags, each with any white noise, shape (corners,)."""
+        lags, levels = noise_of_lags(self.bands.place.tobytes())
+        return _log_mean(self.bands.fits(lags).reshape(-1, levels))
 
 
 @dataclass(frozen=True)
@@ -342,25 +348,26 @@ def _candidates(places: bytes, periods: int) -> _Candidates:
     )
 
 
-@lru_cache(maxsize=_KEPT)
-def _falling(places: bytes) -> tuple[Densities, Floats, Floats]:
-    """Return `falling_densities` at places, floats: all together, shape (densities x levels, places), the
-    variance of the mean that each makes, shape (densities, levels), and how probable each kind is."""
-    shape, of_mean, of_kind = falling_densities(np.frombuffer(places))
-    return Densities(shape.reshape(of_mean.size, -1)), of_mean, of_kind
-
-
 def _of_falling(
     bands: Bands, told: Bands, others: float, reference: _Reference | None
 ) -> tuple[float, float]:
     """Return the probability that a density falls towards zero frequency, by bands counting as `told` and the
-    logarithm of the likelihood of the `others`, and the standard deviation of the mean if it does."""
-    falling, of_mean, of_kind = _falling(bands.place.tobytes())
+    logarithm of the likelihood of the `others`, and the standard deviation of the mean if it does.
+
+    A crest is no sign of it: only what is below it tells that from the noise of a lag.
+    """
+    falling, of_mean, of_kind = falling_densities(bands.place.tobytes())
     levels = of_mean.shape[1]
     fits, prior = told.fits(falling), np.repeat(of_kind, levels) / levels
     if reference is not None:
         fits += np.repeat(reference.fits_of_falling(), levels)
-    odds = _FALLS / (1.0 - _FALLS) * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
+    lags, of_lag = noise_of_lags(bands.place.tobytes())
+    of_lags = told.fits(lags)
+    if reference is not None:
+        of_lags += np.repeat(reference.fits_of_lags(), of_lag)
+    both = np.array([others, float(_log_mean(of_lags))])
+    others = float(_log_mean(both, np.array([1.0 - _FALLS - _OF_A_LAG, _OF_A_LAG])))
+    odds = _FALLS * math.exp(min(float(_log_mean(fits, prior)) - others, _MOST_LIKELY))
     weight = prior * np.exp(fits - np.max(fits))
     square = of_mean.ravel() * bands.sizes(falling)
     return odds / (1.0 + odds), math.sqrt(float(weight @ square) / float(np.sum(weight)))

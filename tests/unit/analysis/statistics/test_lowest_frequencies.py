@@ -213,3 +213,15 @@ def test_bins_that_a_fit_has_emptied_are_continued_from_those_above(is_pink: boo
         assert each is not None
         found.append(each)
     assert np.median(found, axis=0) == pytest.approx(np.mean(power, axis=0), rel=0.4)
+
+
+def test_the_crest_of_the_noise_of_a_lag_is_no_sign_that_its_density_falls() -> None:
+    """Four to seven cycles of its corner in the record: few bins below tell that it is level there."""
+    random, falls = np.random.default_rng(15), []
+    for memory in (0.9, 0.95):
+        for _ in range(40):
+            found = slow_noise(coloured(random.standard_normal(600), memory)[200:])
+            assert found is not None
+            falls.append(found.falls)
+    assert np.mean(falls) < 0.2
+    assert np.mean(np.array(falls) > 0.5) < 0.15
