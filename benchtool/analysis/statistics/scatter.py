@@ -206,16 +206,21 @@ def error_of_record(samples: NDArray[np.float64], beside: Sequence[NDArray[np.fl
     too.
 
     An oscillation of which they hold no whole cycles moves the mean by where it begins. The lowest
-    frequencies show that, but as little as it does so in the mean itself.
+    frequencies show that, but as little as it does so in the mean itself. Where it is as slow as these, it is
+    nearly all that the parts do, and no noise that rises towards zero frequency.
     """
     parts = means_of_parts(samples)
     by_parts = error_of_series(parts)
     if len(parts) and not math.isfinite(by_parts.standard):
         by_parts = _without_aliases(samples, parts, by_parts)
     error = at_lowest_frequencies(samples, by_parts, beside=beside)
-    if error.basis is not Basis.LOWEST:
+    if error.basis is Basis.LOWEST:
+        return replace(error, standard=max(error.standard, mean_moved_by_oscillations(samples, _LOWEST)))
+    swing = slow_swing(parts)
+    noise = MeanError(math.nan, math.nan) if swing is None else error_of_series(swing.rest)
+    if swing is None or not math.isfinite(noise.standard):
         return error
-    return replace(error, standard=max(error.standard, mean_moved_by_oscillations(samples, _LOWEST)))
+    return replace(noise, standard=math.hypot(noise.standard, swing.moved))
 
 
 def mean_of_periods(values: NDArray[np.float64]) -> tuple[float, MeanError]:

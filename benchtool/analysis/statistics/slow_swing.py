@@ -36,21 +36,25 @@ class SlowSwing:
     """What a series, shape (n,), is about its swing: its mean and the `rest`, shape (n,), by least squares.
 
     Noise moves the mean `of_mean` times as much as it would move one without a swing, with the constants
-    that were fitted taken off the number of values.
+    that were fitted taken off the number of values. A mean that the swing is in, has `moved`, by the rms over
+    all places that the swing may begin at.
     """
 
     mean: float
     rest: Floats
     of_mean: float
+    moved: float
 
 
 def slow_swing(values: Floats) -> SlowSwing | None:
     """Return the swing of values, shape (n,), at equal distances; None where it is not nearly all that they
     do, but for white noise."""
     count = len(values)
+    if count < _FEWEST:
+        return None
     deviation = values - np.mean(values)
     square = float(deviation @ deviation)
-    if count < _FEWEST or not square > 0.0:
+    if not square > 0.0:
         return None
     place = (np.arange(count) + 0.5) / count
     found = sinusoid_of(deviation, place, _LEAST_CYCLES)
@@ -62,7 +66,9 @@ def slow_swing(values: Floats) -> SlowSwing | None:
         return None
     basis = swing_basis(place, found.cycles)
     of_mean = math.sqrt(count * float(np.linalg.inv(basis.T @ basis)[0, 0]) * count / (count - _FITTED))
-    return SlowSwing(float(np.mean(values) + found.constants[0]), found.rest, of_mean)
+    size = math.hypot(*found.constants[1:].tolist())
+    moved = size * abs(float(np.sinc(found.cycles))) / math.sqrt(2.0)
+    return SlowSwing(float(np.mean(values) + found.constants[0]), found.rest, of_mean, moved)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from benchtool.analysis.statistics.maxima import (
     scatter_of_largest_normal,
 )
 from benchtool.analysis.statistics.neighbours import neighbours_alike
-from benchtool.analysis.statistics.scatter import error_of_periods, error_of_series
+from benchtool.analysis.statistics.scatter import MeanError, error_of_periods, error_of_series
 from benchtool.analysis.statistics.tail import tail_index
 from benchtool.analysis.torque.means_of_periods import FEWEST_PERIODS
 from benchtool.analysis.torque.slow_ripple import BEGINS, SlowRipple
@@ -32,6 +32,7 @@ _IS_NOISE = 1.3  # times the rms of white noise, up to which samples are it
 _ALIKE, _TOGETHER, _FEW_EXTREMES = 3.0, 2.0, 20  # standard deviations of a correlation; periods
 _PARTS_OF_PERIOD, _MOST_PARTS = 16, 4096
 _FRACTIONS = np.arange(-8, 9) / 16.0  # of a row
+_MEMORY, _FEWEST_SIZES = 2.0, 5.0  # periods that count as one; sizes in the record
 _CLEARLY, _AGAIN = 0.5, 0.5  # times the other standard deviation; a correlation
 _OF_A_CYCLE, _LEFT = 4, 0.03  # degree; of the variance, of which a random walk leaves an eighth
 
@@ -147,16 +148,28 @@ def _by_extremes(
         by_samples = math.hypot(*(tail.scatter_of_largest(each) for tail, each in signed))
         # few maxima tell too little at times, and samples nothing far beyond them: each is as likely
         apart = math.hypot(apart, by_samples) / math.sqrt(2.0) if by_samples else apart
-    if together or len(largest.values) <= _FEW_EXTREMES:
-        # what makes both extremes larger together scatters as their difference does
-        apart = max(apart, scatter_of_largest(largest.values + least.values, tails.index))
-    # a size that wanders as slowly as the record makes all of its periods larger or smaller
     spans = largest.values + least.values
     of_size = error_of_series(spans)
+    if together or len(largest.values) <= _FEW_EXTREMES:
+        # what makes both extremes larger together scatters as their difference does
+        apart = max(apart, _of_spans(spans, of_size, tails.index))
+    # a size that wanders as slowly as the record makes all of its periods larger or smaller
     of_size = of_size if math.isfinite(of_size.standard) else error_of_periods(spans)
     if math.isfinite(of_size.standard):
         apart = math.hypot(apart, of_size.standard)
     return max(apart, of_beat)  # nan of too few
+
+
+def _of_spans(spans: Floats, of_size: MeanError, tail: float) -> float:
+    """Return the standard deviation of the largest of spans of periods, shape (periods,), whose mean has the
+    error `of_size`: of sizes that their periods remember, and whose tails are no heavier than normal, by the
+    largest of as many neighbours each as count as one."""
+    counts = of_size.dof + 1.0
+    is_memory = _FEWEST_SIZES <= counts and _MEMORY * counts < len(spans)
+    if tail or not is_memory or not is_no_heavier_than_normal(spans - np.mean(spans)):
+        return scatter_of_largest(spans, tail)
+    begins = np.arange(0, len(spans), math.ceil(len(spans) / counts))
+    return scatter_of_largest_maximum(np.maximum.reduceat(spans, begins))
 
 
 def _in_beat(samples: Floats, slow: SlowRipple) -> tuple[_Maxima, _Maxima, float]:

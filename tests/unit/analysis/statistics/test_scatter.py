@@ -256,3 +256,16 @@ def test_a_root_of_squares_that_few_clicks_make_is_as_far_from_the_truth_as_is_s
 
 def _marks(samples: NDArray[np.float64], periods: int) -> NDArray[np.float64]:
     return np.linspace(0.0, len(samples), periods + 1)
+
+
+@pytest.mark.parametrize("cycles", [1.6, 3.65, 5.3])
+def test_a_slow_swing_is_no_noise_that_rises_towards_zero(cycles: float) -> None:
+    """It moves the mean by where it begins, and that is all."""
+    random, turn, means, stated = np.random.default_rng(5), np.arange(4000) / 4000, [], []
+    for begin in np.arange(0.05, 1.0, 0.1):
+        record = np.sin(2.0 * np.pi * (cycles * turn + begin)) + 0.3 * random.standard_normal(4000)
+        means.append(np.mean(record))
+        stated.append(error_of_record(record).standard)
+    scatter = float(np.sqrt(np.mean(np.square(means))))
+    assert min(stated) > 0.8 * scatter
+    assert max(stated) < 1.4 * scatter
