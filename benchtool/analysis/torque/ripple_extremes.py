@@ -165,7 +165,7 @@ def _of_spans(spans: Floats, of_size: MeanError, tail: float) -> float:
     error `of_size`: of sizes that their periods remember, and whose tails are no heavier than normal, by the
     largest of as many neighbours each as count as one."""
     counts = of_size.dof + 1.0
-    is_memory = _FEWEST_SIZES <= counts and _MEMORY * counts < len(spans)
+    is_memory = counts >= _FEWEST_SIZES and _MEMORY * counts < len(spans)
     if tail or not is_memory or not is_no_heavier_than_normal(spans - np.mean(spans)):
         return scatter_of_largest(spans, tail)
     begins = np.arange(0, len(spans), math.ceil(len(spans) / counts))
