@@ -38,3 +38,18 @@ def hann_response(apart: NDArray[np.float64] | float) -> NDArray[np.float64]:
     pole = np.abs(np.abs(apart) - 1.0) < _ON_POLE
     away = np.where(pole, apart + 2.0 * _ON_POLE, apart)
     return np.asarray(np.sinc(away) / (1.0 - away**2))
+
+
+def interpolated(size: NDArray[np.float64], place: int) -> tuple[float, float]:
+    """Return how far a line is from its greatest bin, in bins, half of one at most, and the ratio of the
+    second greatest to it."""
+    side = 1 if size[place + 1] > size[place - 1] else -1
+    ratio = float(size[place + side] / size[place]) if size[place] > 0.0 else 0.0
+    return side * max(-0.5, (2.0 * ratio - 1.0) / (1.0 + ratio)), ratio
+
+
+def line_at(size: NDArray[np.float64], place: int) -> tuple[float, float]:
+    """Return how far a line is from its greatest bin, in bins, and its amplitude, by the response of a Hann
+    window at that distance."""
+    offset, _ = interpolated(size, place)
+    return offset, float(size[place] / hann_response(offset))

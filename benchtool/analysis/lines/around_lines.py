@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.lines.line_models import middle_bins
-from benchtool.analysis.spectral_window import hann_response
-from benchtool.analysis.statistics.medians import median
+from benchtool.analysis.spectral_window import hann_response, interpolated, line_at
+from benchtool.analysis.statistics.medians import RAYLEIGH, median
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -21,9 +21,6 @@ MAIN_LOBE = 3
 
 BESIDE = 30
 """Further bins on either side, whose median is the noise."""
-
-RAYLEIGH = math.sqrt(math.log(2.0))
-"""Median over rms of the amplitude of noise."""
 
 _NEAR = 6  # of these the nearest, which a narrow band of noise fills on both sides, another line on one
 _STEEPEST = 3.0  # fall of an amplitude over frequency, as a power: that of a drift under a Hann window
@@ -115,18 +112,3 @@ def _among_lines(bins: Complexes, size: Floats, place: int, noise: float) -> Sur
     own = int(np.argmin(np.abs(peaks - place)))
     left = math.sqrt(float(np.sum(np.abs(rest) ** 2)) / (len(number) - basis.shape[1]))
     return Surrounded(float(places[own]), float(np.abs(amplitudes[own])), left, noise)
-
-
-def interpolated(size: Floats, place: int) -> tuple[float, float]:
-    """Return how far a line is from its greatest bin, in bins, half of one at most, and the ratio of the
-    second greatest to it."""
-    side = 1 if size[place + 1] > size[place - 1] else -1
-    ratio = float(size[place + side] / size[place]) if size[place] > 0.0 else 0.0
-    return side * max(-0.5, (2.0 * ratio - 1.0) / (1.0 + ratio)), ratio
-
-
-def line_at(size: Floats, place: int) -> tuple[float, float]:
-    """Return how far a line is from its greatest bin, in bins, and its amplitude, by the response of a Hann
-    window at that distance."""
-    offset, _ = interpolated(size, place)
-    return offset, float(size[place] / hann_response(offset))

@@ -11,14 +11,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
-from benchtool.analysis.lines.around_lines import (
-    BESIDE,
-    MAIN_LOBE,
-    RAYLEIGH,
-    Surrounded,
-    interpolated,
-    surrounded,
-)
+from benchtool.analysis.lines.around_lines import BESIDE, MAIN_LOBE, Surrounded, surrounded
 from benchtool.analysis.lines.drifting_lines import drifting_line
 from benchtool.analysis.lines.line_course import along_course
 from benchtool.analysis.lines.line_numbers import LISTED, STANDS_OUT, LinesOf, SpectralLines
@@ -30,7 +23,8 @@ from benchtool.analysis.named_after import named_after
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
-from benchtool.analysis.spectral_window import spectral_window
+from benchtool.analysis.spectral_window import interpolated, spectral_window
+from benchtool.analysis.statistics.medians import RAYLEIGH
 from benchtool.analysis.statistics.straight_lines import without_slope
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window

@@ -18,13 +18,13 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.lines.around_lines import RAYLEIGH, line_at
 from benchtool.analysis.lines.line_course import sum_of
 from benchtool.analysis.lines.steadiness import Line
 from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise_beside
 from benchtool.analysis.quantisation.resolution import level_of
 from benchtool.analysis.quantisation.steps_along import apart_from_noise, lines_of
-from benchtool.analysis.spectral_window import spectral_window
+from benchtool.analysis.spectral_window import line_at, spectral_window
+from benchtool.analysis.statistics.medians import RAYLEIGH
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

@@ -16,9 +16,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.lines.around_lines import interpolated
 from benchtool.analysis.sensors.lag import Response
-from benchtool.analysis.spectral_window import hann_response
+from benchtool.analysis.spectral_window import hann_response, interpolated
 
 Floats = NDArray[np.float64]
 Feature = Callable[["Waveform"], complex]

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
+
+RAYLEIGH = math.sqrt(math.log(2.0))
+"""Median over rms of the amplitude of noise in a bin."""
 
 
 def median(values: NDArray[np.float64]) -> float:

@@ -8,14 +8,15 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from benchtool.analysis.lines.around_lines import surrounded
-from benchtool.analysis.spectral_window import spectral_window
+from benchtool.analysis.spectral_window import line_at, spectral_window
+from benchtool.analysis.statistics.medians import RAYLEIGH, median
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _OF_HANN = 0.375  # mean square of the window
 _MOST_LINES, _OF_LINE = 8, 2  # lines whose cycles are told; bins on either side of one that have its power
+_BESIDE = 30  # further bins on either side, whose median is the noise
 
 
 def mean_moved_by_oscillations(samples: Floats, lowest: int) -> float:
@@ -49,11 +50,12 @@ def _lines(bins: Complexes, lowest: int) -> list[tuple[int, float]]:
     peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
     found = []
     for peak in peaks[np.argsort(size[peaks] / peaks)][-_MOST_LINES:].tolist():
-        line = surrounded(bins, size, peak)
-        if not line.amplitude > 0.0 or not math.isfinite(line.noise):
-            continue
-        is_told = math.exp(-2.0 * (math.pi * line.noise / line.amplitude) ** 2)
-        found.append((peak, 0.5 * (1.0 - is_told * math.cos(2.0 * math.pi * line.place))))
+        offset, amplitude = line_at(size, peak)
+        first, last = peak - _OF_LINE - 1, peak + _OF_LINE + 2
+        beside = np.concatenate([size[max(1, first - _BESIDE) : max(1, first)], size[last : last + _BESIDE]])
+        if amplitude > 0.0 and len(beside):
+            is_told = math.exp(-2.0 * (math.pi * median(beside) / RAYLEIGH / amplitude) ** 2)
+            found.append((peak, 0.5 * (1.0 - is_told * math.cos(2.0 * math.pi * (peak + offset)))))
     return found
 
 

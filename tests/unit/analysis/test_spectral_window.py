@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis.lines.around_lines import line_at
-from benchtool.analysis.spectral_window import hann_response, spectral_window
+from benchtool.analysis.spectral_window import hann_response, line_at, spectral_window
 
 COUNT = 4096
 
