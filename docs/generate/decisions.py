@@ -189,13 +189,19 @@ SECTIONS: Final = (
         """,
     ),
     Section(
-        "Mean and rms, and noise slower than the record",
-        "The uncertainty of a mean or rms whose values are correlated, drift, cycle or wander "
+        "Mean and rms: noise slower than the record",
+        "The uncertainty of a mean or rms whose values are correlated or wander, by their density at the "
+        "lowest frequencies (`benchtool.analysis.statistics`).",
+        """
+        0077 0124 0434 0146 0163 0247 0311 0439 0508 0422 0436 0493 0494
+        """,
+    ),
+    Section(
+        "Mean and rms: periods, lines and courses",
+        "The uncertainty of a mean or rms over periods that are not whole, or whose values cycle or drift "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0077 0124 0434 0146 0163 0247 0311 0508 0422 0218 0397
-        0408 0443 0230 0290 0436 0445 0474 0500 0476 0493 0494 0495 0358 0439 0430
-        0453
+        0218 0397 0408 0443 0230 0290 0445 0474 0500 0476 0495 0358 0430 0453
         """,
     ),
     Section(
