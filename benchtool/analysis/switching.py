@@ -263,7 +263,8 @@ SWITCHING_FREQUENCY: Final = Analysis(
             "number of times that an upper switch turns on, of all three legs / (3 x duration)",
             "one count of each leg, `1 / (3 sqrt(2) duration)`, and what exceeds that of the scatter over 64 "
             "parts with their correlation, or the five lowest frequencies where these hold less than a fifth "
-            "of that, or the density continued to zero frequency where that is 1.4 times as much",
+            "of that, or the density continued to zero frequency where that is 1.4 times as much; an "
+            "oscillation by `sin(pi k) / (pi k)` of its rms, k the cycles that the record has",
         ),
     ),
     settings=NoSettings,
@@ -280,7 +281,8 @@ SWITCHING_STATES: Final = Analysis(
             "mean of `T_0 / T_s`",
             "scatter over 64 parts of the record with their correlation, or the five lowest frequencies "
             "where these hold less than a fifth of that, or the density continued to zero frequency where "
-            "that is 1.4 times as much; resolution of the voltages, by vectors that would be read alike; of "
+            "that is 1.4 times as much; an oscillation by `sin(pi k) / (pi k)` of its rms, k the cycles that "
+            "the record has; resolution of the voltages, by vectors that would be read alike; of "
             "single vectors `100 / (sqrt(3) n)`, as one period of another vector may come next",
         ),
         Quantity(
