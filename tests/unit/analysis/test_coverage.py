@@ -93,7 +93,6 @@ def test_an_amplitude_that_wanders_over_the_whole_record_has_no_mean() -> None:
         "amplitude_memory_few_periods",
         "decaying_dc",
         "regimes_slight_few_periods",
-        "switching_modulated_short",
         *at_length("amplitude_memory_short"),
     ],
 )

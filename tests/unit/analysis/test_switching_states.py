@@ -184,3 +184,13 @@ def test_an_error_of_the_dc_link_does_not_move_times_that_the_drive_makes_by_its
     applied = Instruments(bench, [block]).applied(found, lambda _: pytest.fail("nothing is measured again"))
     assert [each.uncertainty for each in applied] == [each.uncertainty for each in found]
     assert {each.sensitivities.named for each in found} == {("u_alpha", "u_beta")}
+
+
+def test_a_rate_that_swings_a_few_times_is_known_but_for_where_it_begins() -> None:
+    """2.6 cycles of 30 % over 2000 rows; without the swing a count of each leg would remain."""
+    swing = 0.3 * np.sin(2.0 * np.pi * (2.6 * np.arange(2000) / 2000 + 0.2))
+    count = np.floor(np.cumsum(3.0 * 1234.5 * (1.0 + swing) / 10_000.0))
+    found = switching_frequency(Block.from_arrays(10_000.0, {}, switching_count=count))
+    assert found.uncertainty is not None
+    moved_Hz = 0.3 * 1234.5 / math.sqrt(2.0) * abs(float(np.sinc(2.6)))
+    assert found.uncertainty.standard == pytest.approx(moved_Hz, rel=0.2)
