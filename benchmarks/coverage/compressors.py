@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 _RATE_HZ, _COUNT = 10_000.0, 20_000
 _A, _NM = 5.0, 2.0
 _HARMONICS = {5: 0.04, 7: 0.02}  # of the fundamental
+_FAST, _HIGHEST = 0.5, 50  # cycles in a period; harmonics
 _PLACES = 20_000  # in a revolution, at which its mean over time is summed up
 
 
@@ -44,17 +45,9 @@ def _trial(what: _Swinging, random: np.random.Generator) -> Iterator[Compared]:
     time_s, times = np.arange(_COUNT) / _RATE_HZ, what.times
     steady = random.uniform(*what.speed_rad_s) * time_s + random.uniform(0.0, 2.0 * np.pi)
     late = random.uniform(0.0, 2.0 * np.pi, 6)
-    # the rotor is at theta + s / m sin(m theta + a) at even times: its speed is in proportion to
-    # 1 / (1 + s cos(m theta + a))
-    theta = steady.copy()
-    for _ in range(60):
-        theta = steady - what.speed / times * np.sin(times * theta + late[0])
-    size = 1.0 + what.amplitude * np.cos(times * theta + late[1])
-    theta_e = what.pole_pairs * theta + what.load_angle_rad * np.cos(times * theta + late[2])
-    current = np.cos(theta_e)
-    for (order, share), phase in zip(_HARMONICS.items(), late[3:], strict=False):
-        current += share * np.cos(order * theta_e + phase)
-    i_a = _A * size * current + 0.01 * random.standard_normal(_COUNT)
+    theta = _turned(what, steady, late)
+    theta_e, current = _current(what, theta, late)
+    i_a = _A * current + 0.01 * random.standard_normal(_COUNT)
     torque = _NM * (1.0 + what.torque * np.cos(times * theta + late[5]))
     torque += 0.01 * random.standard_normal(_COUNT)
     block = Block.from_arrays(_RATE_HZ, {"i_a": "A", "torque": "Nm"}, i_a=i_a, torque=torque)
@@ -66,16 +59,49 @@ def _trial(what: _Swinging, random: np.random.Generator) -> Iterator[Compared]:
     turned_rad = float(theta_e[-1] - theta_e[0])
     truths = {
         "fundamental_frequency": turned_rad / (2.0 * math.pi * float(time_s[-1])),
-        "current_thd_f": 100.0 * math.hypot(*_HARMONICS.values()),
+        "current_thd_f": _distortion(what, late),
         "torque_mean": _over_time(what, late),
     }
     if what.counts is None:  # whose revolutions nothing tells
-        truths = {"fundamental_frequency": truths["fundamental_frequency"]}
+        del truths["torque_mean"]
     found = current_spectrum(block, "i_a", track).measurements
     yield from selected(found, truths)
     yield from selected(
         ripple_numbers(block, "torque", "torque", track=track, pole_pairs=what.pole_pairs), truths
     )
+
+
+def _turned(what: _Swinging, steady: Floats, late: Floats) -> Floats:
+    """Return the rotor's angle at even times, at which an even one would be `steady`, shape (n,).
+
+    It is at theta + s / m sin(m theta + a) then: its speed is in proportion to 1 / (1 + s cos(m theta + a)).
+    """
+    theta = steady.copy()
+    for _ in range(60):
+        theta = steady - what.speed / what.times * np.sin(what.times * theta + late[0])
+    return theta
+
+
+def _current(what: _Swinging, theta: Floats, late: Floats) -> tuple[Floats, Floats]:
+    """Return the current's phase, and the current relative to its mean amplitude, at angles of the rotor, all
+    of shape (n,)."""
+    size = 1.0 + what.amplitude * np.cos(what.times * theta + late[1])
+    theta_e = what.pole_pairs * theta + what.load_angle_rad * np.cos(what.times * theta + late[2])
+    current = np.cos(theta_e)
+    for (order, share), phase in zip(_HARMONICS.items(), late[3:], strict=False):
+        current += share * np.cos(order * theta_e + phase)
+    return theta_e, np.asarray(size * current)
+
+
+def _distortion(what: _Swinging, late: Floats) -> float:
+    """Return THD, %: of harmonics of the current's own phase, or along the rotor's angle, in time without
+    one, where that swings by half a cycle in a period or more."""
+    if what.times < _FAST * what.pole_pairs:
+        return 100.0 * math.hypot(*_HARMONICS.values())
+    place = np.linspace(0.0, 2.0 * np.pi, _PLACES, endpoint=False)
+    theta = place if what.counts is not None else _turned(what, place, late)
+    lines = np.abs(np.fft.rfft(_current(what, theta, late)[1]))[:: what.pole_pairs][1 : _HIGHEST + 1]
+    return 100.0 * float(np.linalg.norm(lines[1:]) / lines[0])
 
 
 def _over_time(what: _Swinging, late: Floats) -> float:
@@ -96,6 +122,12 @@ FAMILIES = families_of(
         "compressor_two_pole_pairs": replace(_COMPRESSOR, pole_pairs=2),
         "compressor_two_pole_pairs_no_angle": replace(
             _COMPRESSOR, pole_pairs=2, speed=0.02, load_angle_rad=0.04, counts=None
+        ),
+        "compressor_few_revolutions_no_angle": replace(
+            _COMPRESSOR, pole_pairs=2, speed=0.02, load_angle_rad=0.04, counts=None, speed_rad_s=(22.0, 32.0)
+        ),
+        "twice_in_three_pole_pairs_no_angle": replace(
+            _COMPRESSOR, speed=0.02, load_angle_rad=0.04, counts=None, times=2
         ),
         "cogging_at_low_speed": _COGGING,
         "cogging_little_at_low_speed": replace(_COGGING, speed=0.005),

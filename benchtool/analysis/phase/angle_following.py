@@ -111,8 +111,13 @@ def within_periods(without: NDArray[np.complex128], along: NDArray[np.complex128
     are_of_rotor = share > 0.5
     if abs(share - 0.5) > _DECIDED * np.sqrt(0.5 / power):
         return WithinPeriods(are_of_rotor, np.empty(0))
-    apart = np.abs(np.abs(without[:count]) - np.abs(along[:count]))
-    return WithinPeriods(are_of_rotor, np.asarray(apart / np.sqrt(2.0), dtype=np.float64))
+    return WithinPeriods(are_of_rotor, apart(without, along) / np.sqrt(2.0))
+
+
+def apart(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return by how much amplitudes along two tracks differ, shape (harmonics,)."""
+    count = min(len(one), len(other))
+    return np.asarray(np.abs(np.abs(one[:count]) - np.abs(other[:count])), dtype=np.float64)
 
 
 def _departing(

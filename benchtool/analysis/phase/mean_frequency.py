@@ -36,12 +36,12 @@ def frequency(
     reason: str,
     step: float = 0.0,
     beside_rad: float = 0.0,
-    within_periods: Callable[[float], Turned | None] = lambda _: None,
+    within_periods: Callable[[Turned], Turned | None] = lambda _: None,
 ) -> Measurement:
     """Return the mean electrical frequency over the window, of a signal with steps of `step`; undefined for a
     `reason` where the signal itself gave it. `beside_rad` is what a line beside it leaves open of its phase
-    over the record, and `within_periods` gives the phase of a signal that swings within few of them, where
-    means over periods are off it by more than a standard uncertainty, rad."""
+    over the record, and `within_periods` gives that of a signal that swings within few of them, where means
+    over periods do not tell it as well."""
     name, text = "fundamental_frequency", "mean electrical frequency of the window"
     if len(seen.phase_rad) < FEWEST and tells_its_turn(steady := replace(track, departure=None)):
         track = steady  # too few periods to tell the signal's own phase
@@ -52,7 +52,7 @@ def frequency(
     is_asked = is_told or (by_tone and not reason)
     tone = turned_by_tone(spectrum, track, seen, step, beside_rad) if is_asked else None
     turned = tone if by_tone else turned_by_angle(track, seen, tone)
-    quick = within_periods(turned.standard) if is_told and turned is not None else None
+    quick = within_periods(turned) if is_told and turned is not None else None
     if (by_tone or quick is not None) and track.measured_rad is not None:
         of_angle_Hz = _of_angle_Hz(spectrum, track)
         text += f", of the signal; the angle alone gives {of_angle_Hz:.6g} Hz"

@@ -23,7 +23,7 @@ from benchtool.analysis.coherent.spectrum import (
     transformable_periods,
 )
 from benchtool.analysis.periods import PhaseTrack
-from benchtool.analysis.phase.angle_following import OFF_RAD, along_angle, within_periods
+from benchtool.analysis.phase.angle_following import OFF_RAD, along_angle, apart, within_periods
 from benchtool.analysis.phase.continuation import FEWEST, continuation
 from benchtool.analysis.phase.repetition import Repetition, repetition
 from benchtool.analysis.phase.wander import Wander, wander
@@ -36,6 +36,9 @@ _BELOW_ORDER = 3
 _OF_DC, _NEAR_DC = 2, 8  # bins that a dc which decays is in; part of the distance to the fundamental
 _HIGHEST_BLURRED, _BLURRED, _FAR_BLUR = 25, 4, 4.0
 _FAR_OFF_LINE = 10.0  # a ratio of powers
+_OF_OTHER = 0.5  # of what amplitudes along another track differ by
+_OF_LINES = 2.0  # times what is there by the median of bins
+_ON_BOTH_SIDES = 0.02  # of the power about a line
 _OF_RATIO = math.pi / math.sqrt(3.0)  # deviation of the logarithm of a ratio of two exponentials
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 _LONGEST_TURN = 0.45  # of a turn between periods: largest unambiguous change of phase
@@ -78,12 +81,17 @@ def follow(
         by_angle = _followed(samples, sample_rate_Hz, along(angle.within), name)
         if by_tone.track is track and by_angle.track.follows_signal:
             by_angle = by_tone  # the fundamental stays on the track: what does not is an error of the angle
+        better = by_angle
         if by_angle.is_clearly(other_than=by_tone):
-            by_tone = by_angle.if_clearly_better_than(by_tone)
+            better = by_angle.if_clearly_better_than(by_tone)
         elif by_angle is not by_tone:
             within, sharper = within_periods(by_tone.phasors, by_angle.phasors), by_angle.is_sharper(by_tone)
             are_of_rotor = within.are_of_rotor if sharper is None else sharper
-            by_tone, doubt = by_angle if are_of_rotor else by_tone, within.standard
+            better, doubt = by_angle if are_of_rotor else by_tone, within.standard
+        if by_angle is not by_tone and better.has_sidebands and not by_angle.is_far_from(by_tone):
+            # the current of a load that swings has a phase of its own, which is nearer to either by chance
+            doubt = _OF_OTHER * apart(by_tone.phasors, by_angle.phasors)
+        by_tone = better
     seen = replace(
         by_tone.seen,
         excess_rad=by_tone.excess_rad,
@@ -165,19 +173,45 @@ class _Followed:
         coherent, periods = self.transformable, self.transformable.periods
         means = np.mean(coherent.values.reshape(periods, -1)[[0, -1]], axis=1)
         rise = float(means[1] - means[0]) * periods / max(1, periods - 1)
-        above = min(_BELOW_ORDER * periods, len(self._bins))
-        number = np.arange(max(_OF_DC, periods // _NEAR_DC), above)
-        number = number[number % periods > 0]
+        number = self._below
         # of a line that rises by one over n samples the bins are (-1 + j cot(pi k / n)) / 2
         leaked = 0.5 * rise * (-1.0 + 1j / np.tan(np.pi * number / len(coherent.values)))
         return float(np.sum(np.abs(self._bins[number] - leaked) ** 2))
 
+    @cached_property
+    def _below(self) -> NDArray[np.int64]:
+        """The numbers of the bins between the harmonics below the third."""
+        periods = self.transformable.periods
+        above = min(_BELOW_ORDER * periods, len(self._bins))
+        number = np.arange(max(_OF_DC, periods // _NEAR_DC), above)
+        return number[number % periods > 0]
+
+    @property
+    def has_lines(self) -> bool:
+        """Whether what is left there is in fewer bins than noise is."""
+        square = self._squares[1][self._below]
+        return bool(len(square)) and self.off_line > _OF_LINES * _as_noise(square)
+
+    @property
+    def has_sidebands(self) -> bool:
+        """Whether lines stand out to both sides of the fundamental, as far from it: its load swings."""
+        periods, square = self.transformable.periods, self._squares[1]
+        apart = np.arange(_OF_DC, periods - _OF_DC)
+        if not len(apart) or 2 * periods > len(square):
+            return False
+        lower, upper = square[periods - apart], square[periods + apart]
+        noise = 0.5 * _as_noise(np.append(lower, upper))
+        both = float(np.sum(np.minimum(lower, upper)))
+        return both > max(_FAR_OFF_LINE * noise, _ON_BOTH_SIDES * float(np.sum(lower + upper)))
+
     def is_clearly(self, *, other_than: _Followed) -> bool:
-        """Return whether it has more or less between the harmonics than the other, beyond chance."""
+        """Return whether it has more or less between the harmonics than the other, beyond chance, and that is
+        in lines: noise of an angle, which one of them follows more closely, is in all bins."""
         ratio = self.off_line / other_than.off_line if other_than.off_line > 0.0 else 1.0
-        return abs(math.log(max(ratio, 1e-300))) > _FAR_BLUR / math.sqrt(
-            _BELOW_ORDER * self.transformable.periods
-        )
+        least = _FAR_BLUR / math.sqrt(_BELOW_ORDER * self.transformable.periods)
+        worse = max(self, other_than, key=lambda each: each.off_line)
+        is_told = worse.has_lines or self.is_far_from(other_than)
+        return is_told and abs(math.log(max(ratio, 1e-300))) > least
 
     def if_clearly_better_than(self, other: _Followed) -> _Followed:
         return self if self.off_line < other.off_line and self.is_clearly(other_than=other) else other
@@ -227,6 +261,11 @@ class _Followed:
         bins = (periods * strongest[:, np.newaxis] + around).ravel()
         now, then = float(np.sum(square[bins])), float(np.sum(before._squares[1][bins]))
         return now > (1.0 + _FAR_BLUR / math.sqrt(len(bins))) * then
+
+
+def _as_noise(square: NDArray[np.float64]) -> float:
+    """Return the sum of the squares of bins, shape (bins,), by their median: of noise alone it is theirs."""
+    return float(np.median(square)) / math.log(2.0) * len(square)
 
 
 def _followed(samples: NDArray[np.float64], sample_rate_Hz: float, begin: _Followed, name: str) -> _Followed:

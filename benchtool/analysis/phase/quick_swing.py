@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import FIRST_ROW, CoherentSamples
@@ -28,7 +29,9 @@ Complex = NDArray[np.complex128]
 _FASTEST = 0.8  # cycles in a period
 _TAPS = 8  # halves of a period, to either side
 _FREQUENCIES = 401
-_SIZES = (10, 14, 20, 28)  # phases that foresee the next: two revolutions of seven periods
+_SIZES = (6, 8, 10, 14, 20, 28)  # phases that foresee the next: two revolutions of seven periods
+FEWEST_FORESEEN = 23
+"""Periods of which the fewest of them foresee the next phase."""
 _IS_NO_NOISE = 9.0  # times the mean square by which the next phase is missed
 _OF_WEIGHTS = 1.5  # of a harmonic, in means of which the swing is taken back
 _HIGHEST = 25
@@ -51,8 +54,6 @@ class QuickSwing:
         told, or where the frequency itself leaves that of the track.
         """
         off2 = float(np.var(np.angle(self.phasor * np.conj(self.mean))))
-        if not off2 > least_rad**2:
-            return None
         phase_rad = np.unwrap(np.angle(self.phasor))
         if not _keeps_to_track(phase_rad):
             return None
@@ -69,8 +70,16 @@ class QuickSwing:
         budget = (
             Contribution(source, "A", foreseen, len(phase_rad) / 2.0),
             Contribution("harmonics that swing with it", "B", self._of_harmonics(phase_rad)),
+            Contribution("what swings twice as fast", "B", self._twice_as_fast(phase_rad)),
         )
-        return Turned(float(ends[1] - ends[0]) + own_rad, budget, source)
+        found = Turned(float(ends[1] - ends[0]) + own_rad, budget, source)
+        return found if off2 > least_rad**2 or found.standard < least_rad else None
+
+    def _twice_as_fast(self, phase_rad: Floats) -> float:
+        """Return what amplitude and phase that swing together make of a difference of two phases beyond what
+        the weights take back, rad: lines at twice the frequency, about as large as the product of both."""
+        size = np.abs(self.phasor) / float(np.mean(np.abs(self.phasor)))
+        return _beyond(phase_rad, 0.5 * _FASTEST) * _beyond(size, 0.5 * _FASTEST)
 
     def _of_harmonics(self, phase_rad: Floats) -> float:
         """Return what harmonics that swing with the fundamental leave in the difference of two phases, rad:
@@ -80,6 +89,14 @@ class QuickSwing:
         swing = np.std(size[:, np.newaxis] * np.exp(1j * np.outer(phase_rad, order)), axis=0)
         left = self.harmonics[order - 1] / self.harmonics[0] * swing / (np.pi * (order - 1.0))
         return _OF_WEIGHTS * float(np.linalg.norm(left))
+
+
+def _beyond(values: Floats, cycles: float) -> float:
+    """Return how far, rms, values half a period apart, shape (n,), swing by more cycles in a period."""
+    swings = values - np.mean(values)
+    power = np.abs(fft.rfft(swings * np.hanning(len(swings) + 2)[1:-1])) ** 2
+    fast = float(np.sum(power[fft.rfftfreq(len(swings), 0.5) > cycles]))
+    return math.sqrt(float(np.var(swings)) * fast / float(np.sum(power))) if fast > 0.0 else 0.0
 
 
 def quick_swing(coherent: CoherentSamples, track: PhaseTrack, harmonics: Floats) -> QuickSwing | None:

@@ -68,9 +68,13 @@ class Turned:
         agree = abs(apart_rad) < _AGREE * both and not (excess_rad and size_rad > self.standard)
         if agree or not math.isfinite(both):
             return self.with_other(other)
-        halfway = Contribution("departure of the signal from the angle", "B", size_rad)
-        source = f"{self.source}, and {halfway.name}"
-        return Turned(self.phase_rad + 0.5 * apart_rad, (*self.budget, halfway), source)
+        return self.halfway("departure of the signal from the angle", 0.5 * apart_rad, size_rad)
+
+    def halfway(self, name: str, half_rad: float, size_rad: float) -> Turned:
+        """Return it with half of a phase that is as likely part of it as not, `size_rad` uncertain by that,
+        which is the `name`."""
+        source = f"{self.source}, and {name}"
+        return Turned(self.phase_rad + half_rad, (*self.budget, Contribution(name, "B", size_rad)), source)
 
 
 def turned_by_tone(

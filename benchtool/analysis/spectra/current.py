@@ -237,7 +237,8 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("fundamental_frequency",),
             "Hz",
-            "phase between first and last row / (2 pi duration)",
+            "phase between first and last row / (2 pi duration); without an angle, what the current does in "
+            "every period alike is part of its waveform, and none of its phase",
             "of the slopes that the angle's counts allow at a constant speed, or else of the angle at both "
             "ends, by smoothing splines of any stiffness through 128 means, steps that beat with the rows, "
             "and half of what may be the rotor's or an error of its sensor: what it does in every revolution "
@@ -250,8 +251,9 @@ CURRENT_SPECTRUM: Final = Analysis(
             "and the converter's steps that fold to beside the line; of a phase that was followed, and of an "
             "angle of less than a revolution, or that swings within less than two, the noise at both ends of "
             "the signal's own phase, of a load that swings within few periods that within periods, and what "
-            "harmonics that swing with it leave there; of fewer than five periods the course of that angle "
-            "and its slope, none within a revolution",
+            "harmonics that swing with it, and a swing twice as fast, leave there, or half of the phase of "
+            "lines about the fundamental that may be its swing; of fewer than five periods the course of "
+            "that angle and its slope, none within a revolution",
         ),
         Quantity(
             ("current_fundamental",),
@@ -274,11 +276,15 @@ CURRENT_SPECTRUM: Final = Analysis(
             "%",
             "100 sqrt(max(0, A_2^2 + ... + A_H^2 - N^2)) / A_1, with N^2 the sum of A_n^2 around harmonics 2 "
             "to H and of what repeated quantisation adds to them on average: THD_F, after IEC "
-            "61000-4-7:2002+A1:2008, but without the noise",
+            "61000-4-7:2002+A1:2008, but without the noise. Where the fundamental swings by less than half a "
+            "cycle in a period, harmonics are those along its phase; by more, along the rotor's angle where "
+            "the current follows that within periods, else in time: between harmonics its sidebands are "
+            "interharmonics",
             "half of the longer side of sqrt(x +- 2 u), x what stands under the root, u from the noise in "
             "the harmonics, with what modulates them alike, the floor's own uncertainty and the scatter of "
             "what quantisation adds, and what averages of roots of which half are cut off at zero keep; and "
-            "those of the A_k that are of type B, propagated to first order",
+            "those of the A_k that are of type B, propagated to first order; beside sidebands on both sides "
+            "of the fundamental, half of what they differ by along the angle and without it",
             headline=True,
         ),
         Quantity(

@@ -91,8 +91,8 @@ class Interharmonics:
 def between_harmonics(
     coherent: CoherentSamples, spectrum: CoherentSpectrum, course: Course
 ) -> Interharmonics | None:
-    """Return what stands out between the harmonics of samples at `course`: what is steady and what moves;
-    None if nothing does.
+    """Return what stands out between the harmonics of samples at `course`: what is steady and what moves,
+    with the sidebands of what swings; None if nothing does.
 
     A tone that hardly moves is a few steady ones as well, and two close ones are one that moves: what leaves
     the least between the harmonics counts.
@@ -104,14 +104,14 @@ def between_harmonics(
     if found is None:
         return None
     if not moving:
-        return _without_modulation(found, spectrum)
+        return found
     rest = without(coherent, Interharmonics(moving=moving), course)
     other = _with_moving(interharmonics(spectrum_of(rest), len(coherent.values)), moving)
 
     def left(each: Interharmonics) -> float:
         return left_between(spectrum_of(without(coherent, each, course)))
 
-    return _without_modulation(found if other is None else min(found, other, key=left), spectrum)
+    return found if other is None else min(found, other, key=left)
 
 
 def left_between(spectrum: CoherentSpectrum) -> float:
@@ -139,7 +139,7 @@ def _close_to_harmonics(periods: int) -> float:
     return max(_CLOSE, min(_BESIDE, _OF_DISTANCE * periods))
 
 
-def _without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> Interharmonics | None:
+def without_modulation(found: Interharmonics, spectrum: CoherentSpectrum) -> Interharmonics | None:
     """Return it without the pairs of tones to both sides of a harmonic that are an amplitude or a phase which
     swings."""
     places = np.array([*found.places, *(each.by_turns for each in found.moving)])

@@ -19,7 +19,7 @@ from benchtool.analysis.coherent.spectrum import (
 )
 from benchtool.analysis.periods import PhaseTrack, track_tone
 from benchtool.analysis.phase.phase_following import follow
-from benchtool.analysis.phase.quick_swing import quick_swing
+from benchtool.analysis.phase.quick_swing import FEWEST_FORESEEN, quick_swing
 from benchtool.analysis.phase.turned_phase import Turned, left_at_ends_rad
 from benchtool.analysis.phase.wander import Wander, wander
 from benchtool.analysis.spectra.close_lines import CloseLines, close_lines, moves_along
@@ -34,10 +34,11 @@ from benchtool.analysis.spectra.interharmonics import (
     scatter_of_phases,
     together,
     without,
+    without_modulation,
 )
 from benchtool.analysis.spectra.modulation import SteadyAmplitude, with_steady_amplitude
 from benchtool.analysis.spectra.moving_tones import Course, course_of
-from benchtool.analysis.spectra.swing_lines import off_by_lines
+from benchtool.analysis.spectra.swing_lines import may_be_swing, off_by_lines
 from benchtool.errors import AnalysisError
 
 Floats = NDArray[np.float64]
@@ -46,6 +47,7 @@ _LEFT_OF_JUMP = 0.25  # of a jump: what is left where lines or a decay made it
 _NEAR = 4.0  # bins: within the main lobe of a Hann window, and as far again
 _MORE = 2.0  # times the squares that are left along a phase that was followed
 _OF_LINE_ALONE = 2.0  # times a line, by which it may put a phase off
+_MAY_SWING = "lines about the fundamental that may be its swing within periods"
 _ROUNDS = 3  # of a line beside the fundamental and its frequency without that
 
 
@@ -54,9 +56,9 @@ class Separation:
     """A current along a track that follows its fundamental.
 
     `coherent` are the whole periods of the `samples`, shape (rows,), and `spectrum` is theirs; `seen` is how
-    the fundamental moves about the `track`. `others` is what is between the harmonics, None if there is
-    nothing, `close` are the lines beside them. `turns`, shape (rows,), are the periods from the first of the
-    spectrum to each row.
+    the fundamental moves about the `track`. `lines` is what is between the harmonics, and `others` that
+    without the sidebands of what swings, None if there is nothing; `close` are the lines beside them.
+    `turns`, shape (rows,), are the periods from the first of the spectrum to each row.
     """
 
     samples: Floats
@@ -66,6 +68,7 @@ class Separation:
     spectrum: CoherentSpectrum
     turns: Floats
     course: Course
+    lines: Interharmonics | None
     others: Interharmonics | None
     close: CloseLines
 
@@ -170,27 +173,52 @@ class Separation:
             return rest, self.close.turned_rad
         return rest, math.hypot(self.close.turned_rad, left_at_ends_rad(rest))
 
-    def within_periods(self, rate_Hz: float, channel: str, least_rad: float) -> Turned | None:
-        """Return the phase over the record of a fundamental that swings within few of its periods; None where
-        that is not told, or means over periods are off it by no more than `least_rad`, rms."""
+    def within_periods(self, rate_Hz: float, channel: str, turned: Turned) -> Turned | None:
+        """Return the phase over the record of a fundamental that swings within few of its periods, which is
+        `turned` as means over periods tell it; None where it is not told, or these tell it as well.
+
+        Of few periods, of which none foresees the next, and where no harmonic repeats them, lines are as
+        likely lines of their own."""
         own = harmonics(self.clean)
-        swings, alone = self._lines_about_fundamental(own)
-        if not (self.track.follows_signal or swings):
+        if not own[0] > 0.0:
             return None
+        orders, sizes = self._lines_by_order(own)
+        swings, alone = off_by_lines(orders, sizes, own / own[0], self.coherent.periods)
+        may_swing = swings or may_be_swing(orders, sizes, self.coherent.periods)
+        if not (self.track.follows_signal or may_swing):
+            return None
+        if may_swing and not (swings and self.coherent.periods >= FEWEST_FORESEEN):
+            apart_rad = self._turned_with_lines() - turned.phase_rad
+            return turned.halfway(_MAY_SWING, 0.5 * apart_rad, 0.5 * abs(apart_rad))
         track = replace(self.track, departure=None)
         coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
         swing = quick_swing(coherent, track, own)
-        return None if swing is None else swing.turned(track, max(least_rad, _OF_LINE_ALONE * alone))
+        least_rad = max(turned.standard, _OF_LINE_ALONE * alone)
+        return None if swing is None else swing.turned(track, least_rad)
 
-    def _lines_about_fundamental(self, own: Floats) -> tuple[bool, float]:
-        """Return whether lines that were taken out tell that the fundamental swings, and the largest about it
-        that do not, relative to it."""
-        if self.others is None or not own[0] > 0.0:
-            return False, 0.0
-        steady, moving = self.others.phasors, self.others.moving
-        cycles = np.array([*self.others.places, *(each.by_turns + each.by_time for each in moving)])
-        sizes = np.abs(np.array([*steady, *(each.phasor for each in moving)])) / own[0]
-        return off_by_lines(cycles / self.coherent.periods, sizes, own / own[0], self.coherent.periods)
+    def _turned_with_lines(self) -> float:
+        """Return the phase from the first to the last row of the fundamental and the lines about it."""
+        periods, ends = self.coherent.periods, np.array([0, -1])
+        turns, rows = self.turns[ends], np.arange(len(self.turns))[ends]
+        phasor = np.full(2, self.clean.phasor[periods])
+        if self.lines is not None:
+            course = Course(turns / periods, (rows - FIRST_ROW) / self.coherent.samples)
+            places = np.array([*self.lines.places, *(each.by_turns for each in self.lines.moving)])
+            about = np.abs(places - periods) < periods
+            for line, is_about in zip(self.lines.components(course), about, strict=True):
+                phasor += is_about * line * np.exp(-2j * np.pi * turns)
+        along_rad = self.track.at(rows.astype(np.float64))
+        return float(np.diff(along_rad)[0] + np.angle(phasor[1] * np.conj(phasor[0])))
+
+    def _lines_by_order(self, own: Floats) -> tuple[Floats, Floats]:
+        """Return where lines between the harmonics are, cycles in a period, and their amplitudes relative to
+        the fundamental, both of shape (lines,)."""
+        if self.lines is None:
+            return np.empty(0), np.empty(0)
+        moving = self.lines.moving
+        cycles = np.array([*self.lines.places, *(each.by_turns + each.by_time for each in moving)])
+        sizes = np.abs(np.array([*self.lines.phasors, *(each.phasor for each in moving)])) / own[0]
+        return cycles / self.coherent.periods, sizes
 
     def beside(self, groups: HarmonicGroups | None) -> Beside | None:
         """Return what is in `groups` besides the harmonics; None where that is nothing, or moves otherwise
@@ -247,7 +275,8 @@ def _along(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, ste
     spectrum = spectrum_of(coherent)
     turns = track.turns_from(FIRST_ROW)
     course = course_of(turns, FIRST_ROW, coherent)
-    others = between_harmonics(coherent, spectrum, course)
+    lines = between_harmonics(coherent, spectrum, course)
+    others = None if lines is None else without_modulation(lines, spectrum)
     clean = spectrum if others is None else spectrum_of(without(coherent, others, course))
     close = close_lines(clean, len(coherent.values), HIGHEST_HARMONIC, step, course)
-    return Separation(samples, track, seen, coherent, spectrum, turns, course, others, close)
+    return Separation(samples, track, seen, coherent, spectrum, turns, course, lines, others, close)

@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 
 _WITHIN = 0.5  # bins
 _NEAR, _LEAK = 1.0, 2.0  # cycles in a period
+_FAST = 0.5  # cycles in a period: a line halfway to a harmonic is as far from that
 
 
 def off_by_lines(orders: Floats, sizes: Floats, harmonics: Floats, periods: float) -> tuple[bool, float]:
@@ -48,3 +49,13 @@ def off_by_lines(orders: Floats, sizes: Floats, harmonics: Floats, periods: floa
     is_sideband = np.any(of_swing & (sizes < harmonics[:, np.newaxis]), axis=0)
     alone = float(np.max(sizes[(aparts < _LEAK) & ~is_sideband], initial=0.0))
     return len(swings) > 0, alone
+
+
+def may_be_swing(orders: Floats, sizes: Floats, periods: float) -> bool:
+    """Return whether lines, as of `off_by_lines`, are as far below and above the fundamental, and farther
+    than half its frequency, so that they may be a swing of it, or of it alone."""
+    within = _WITHIN / periods
+    apart = orders - 1.0
+    is_fast = (np.abs(apart) > _FAST + within) & (np.abs(apart) < _NEAR) & (sizes < 1.0)
+    of_fast = apart[is_fast]
+    return bool(np.any(np.abs(np.add.outer(of_fast, of_fast)) < within))

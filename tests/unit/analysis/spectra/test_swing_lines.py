@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.spectra.swing_lines import off_by_lines
+from benchtool.analysis.spectra.swing_lines import may_be_swing, off_by_lines
 
 PERIODS = 60.0
 HARMONICS = np.array([1.0, 0.0, 0.0, 0.0, 0.04, 0.0, 0.02])
@@ -45,3 +45,14 @@ def test_a_phase_that_swings_far_has_sidebands_at_twice_the_distance() -> None:
 
 def test_nothing_beside_a_fundamental_is_no_swing() -> None:
     assert lines() == (False, 0.0)
+
+
+def test_fast_lines_on_both_sides_may_be_a_swing() -> None:
+    def paired(*orders: float) -> bool:
+        return may_be_swing(np.array(orders), np.full(len(orders), 0.1), PERIODS)
+
+    assert paired(1.0 / 3.0, 5.0 / 3.0)
+    assert not paired(1.0 / 3.0, 1.7)
+    assert not paired(0.5, 1.5)  # which is halfway between harmonics
+    assert not paired(0.93, 1.07)
+    assert not paired()
