@@ -48,10 +48,12 @@ class QuickSwing:
     mean: Complex
     harmonics: Floats
 
-    def turned(self, track: PhaseTrack, least_rad: float) -> Turned | None:
-        """Return the phase from the first to the last row of the track; None where means over periods are off
-        the phase within them by no more than `least_rad`, rms, or by what is noise, where a swing is not
-        told, or where the frequency itself leaves that of the track.
+    def turned(self, track: PhaseTrack, standard_rad: float, beside_rad: float) -> Turned | None:
+        """Return the phase from the first to the last row of the track; None where means over periods, by
+        which it is `standard_rad` uncertain, tell it as well: they are off the phase within them by no more
+        than that, or than lines that are no sidebands put it off, `beside_rad`, and it is no surer with
+        these. None, too, where they are off by what is noise, where a swing is not told, or where the
+        frequency itself leaves that of the track.
         """
         off2 = float(np.var(np.angle(self.phasor * np.conj(self.mean))))
         phase_rad = np.unwrap(np.angle(self.phasor))
@@ -73,7 +75,8 @@ class QuickSwing:
             Contribution("what swings twice as fast", "B", self._twice_as_fast(phase_rad)),
         )
         found = Turned(float(ends[1] - ends[0]) + own_rad, budget, source)
-        return found if off2 > least_rad**2 or found.standard < least_rad else None
+        is_off = off2 > max(standard_rad, beside_rad) ** 2
+        return found if is_off or math.hypot(found.standard, beside_rad) < standard_rad else None
 
     def _twice_as_fast(self, phase_rad: Floats) -> float:
         """Return what amplitude and phase that swing together make of a difference of two phases beyond what

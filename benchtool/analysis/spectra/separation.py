@@ -193,8 +193,7 @@ class Separation:
         track = replace(self.track, departure=None)
         coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
         swing = quick_swing(coherent, track, own)
-        least_rad = max(turned.standard, _OF_LINE_ALONE * alone)
-        return None if swing is None else swing.turned(track, least_rad)
+        return None if swing is None else swing.turned(track, turned.standard, _OF_LINE_ALONE * alone)
 
     def _turned_with_lines(self) -> float:
         """Return the phase from the first to the last row of the fundamental and the lines about it."""

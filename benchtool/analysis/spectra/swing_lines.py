@@ -10,10 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 
 _WITHIN = 0.5  # bins
 _NEAR, _LEAK = 1.0, 2.0  # cycles in a period
+_ABOUT = 2.0  # times a size
 _FAST = 0.5  # cycles in a period: a line halfway to a harmonic is as far from that
 
 
@@ -47,8 +49,17 @@ def off_by_lines(orders: Floats, sizes: Floats, harmonics: Floats, periods: floa
     at = np.concatenate([swings, 2.0 * swings])
     of_swing = np.min(np.abs(np.subtract.outer(at, from_harmonics)), axis=0, initial=np.inf) < within
     is_sideband = np.any(of_swing & (sizes < harmonics[:, np.newaxis]), axis=0)
+    if len(swings):  # a track that follows phases of periods has it at another frequency, on both sides
+        is_sideband |= _has_counterpart(orders - 1.0, sizes, within)
     alone = float(np.max(sizes[(aparts < _LEAK) & ~is_sideband], initial=0.0))
     return len(swings) > 0, alone
+
+
+def _has_counterpart(apart: Floats, sizes: Floats, within: float) -> Bools:
+    """Return whether lines have others as far on the other side, about as large, shape (lines,)."""
+    is_other_side = np.abs(np.add.outer(apart, apart)) < within
+    is_as_large = np.maximum.outer(sizes, sizes) < _ABOUT * np.minimum.outer(sizes, sizes)
+    return np.asarray(np.any(is_other_side & is_as_large, axis=0))
 
 
 def may_be_swing(orders: Floats, sizes: Floats, periods: float) -> bool:

@@ -49,7 +49,7 @@ def test_what_noise_does_is_no_swing() -> None:
     track = track_tone(current)
     swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE)
     assert swing is not None
-    assert swing.turned(track, 0.0) is None
+    assert swing.turned(track, 0.0, 0.0) is None
 
 
 def test_few_periods_tell_no_swing() -> None:

@@ -43,6 +43,13 @@ def test_a_phase_that_swings_far_has_sidebands_at_twice_the_distance() -> None:
     assert lines(*swing, (0.25, 0.005), (1.6, 0.005)) == (True, 0.005)
 
 
+def test_what_a_track_makes_of_a_swing_is_on_both_sides() -> None:
+    """Of a swing of two thirds of a cycle, phases of periods have one of a third."""
+    swing = (1 / 3, 0.1), (5 / 3, 0.1), (4 + 1 / 3, 0.01), (5 + 2 / 3, 0.01)
+    assert lines(*swing, (2 / 3, 0.007), (4 / 3, 0.005)) == (True, 0.0)
+    assert lines(*swing, (2 / 3, 0.007), (4 / 3, 0.003)) == (True, 0.007)
+
+
 def test_nothing_beside_a_fundamental_is_no_swing() -> None:
     assert lines() == (False, 0.0)
 
