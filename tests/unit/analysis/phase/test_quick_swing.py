@@ -132,3 +132,15 @@ def test_distortion_beside_a_fast_swing_is_along_the_rotor(
     truth = 100.0 * float(np.linalg.norm(lines[1:]) / lines[0])
     assert measured.uncertainty is not None
     assert abs(measured.value - truth) < 2.0 * measured.uncertainty.standard
+
+
+def test_the_phase_within_periods_counts_where_it_is_surer() -> None:
+    """A line that is no sideband puts it off, by which it was taken for surer."""
+    current, _, _ = compressor(np.random.default_rng(1))
+    track = track_tone(current)
+    swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE)
+    assert swing is not None
+    assert swing.turned(track, 1e-3, 0.0) is not None  # means are off it
+    assert swing.turned(track, 0.5, 0.0) is not None
+    assert swing.turned(track, 1e-3, 0.5) is None
+    assert swing.turned(track, 0.5, 0.6) is None
