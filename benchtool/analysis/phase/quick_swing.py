@@ -29,9 +29,10 @@ Complex = NDArray[np.complex128]
 _FASTEST = 0.8  # cycles in a period
 _TAPS = 8  # halves of a period, to either side
 _FREQUENCIES = 401
-_SIZES = (6, 8, 10, 14, 20, 28)  # phases that foresee the next: two revolutions of seven periods
+_SIZES = (10, 14, 20, 28)  # phases that foresee the next: two revolutions of seven periods
+_OF_FEW = (6, 8)  # where those are not told
 FEWEST_FORESEEN = 23
-"""Periods of which the fewest of them foresee the next phase."""
+"""Periods of which the fewest phases foresee the next one."""
 _IS_NO_NOISE = 9.0  # times the mean square by which the next phase is missed
 _OF_WEIGHTS = 1.5  # of a harmonic, in means of which the swing is taken back
 _HIGHEST = 25
@@ -59,7 +60,7 @@ class QuickSwing:
         phase_rad = np.unwrap(np.angle(self.phasor))
         if not _keeps_to_track(phase_rad):
             return None
-        going_on = prediction(phase_rad, 0.0, _SIZES)
+        going_on = prediction(phase_rad, 0.0, _SIZES) or prediction(phase_rad, 0.0, _OF_FEW)
         if going_on is None or not off2 > _IS_NO_NOISE * going_on.missed2:
             return None
         rows, last = self.rows, track.samples - 1.0
