@@ -20,6 +20,7 @@ from benchtool.analysis.noise.noise import (
     sidebands,
 )
 from benchtool.analysis.noise.noise_over_time import ONE_LEVEL
+from benchtool.analysis.noise.swing_of_periods import without_swing
 
 _BY_CHANCE = 1e-2  # of a ratio of variances
 _BESIDE = 2  # orders
@@ -65,8 +66,9 @@ class NoFloor(Enum):
 @dataclass(frozen=True)
 class _Differences:
     """Mean square of a bin by the second differences of successive periods, its relative variance, and how
-    many of them were left out of how many; `from_first` is that of the bins from order 1 on, `below` that of
-    the lowest orders, which those below order 1 are taken to have, `with_bursts` that of all differences.
+    many of them were left out of how many, `in_a_step` of which a step is in; `from_first` is that of the
+    bins from order 1 on, `below` that of the lowest orders, which those below order 1 are taken to have,
+    `with_bursts` that of all differences.
     """
 
     power: float
@@ -76,11 +78,12 @@ class _Differences:
     variance: float
     left_out: int
     of: int
+    in_a_step: int
 
     @property
     def has_bursts(self) -> bool:
         """Whether more have more than the others than a step would leave: noise in bursts is no step."""
-        return self.left_out > _OF_A_STEP + self.of // _ONE_IN
+        return self.left_out > self.in_a_step + self.of // _ONE_IN
 
 
 def without_changes(
@@ -195,10 +198,14 @@ def _differences(samples: CoherentSamples) -> _Differences | NoFloor:
     they are too few to tell a step from it, or have nothing in most of the record."""
     phasors = fft.rfft(samples.values.reshape(samples.periods, -1), axis=1) * (2.0 / samples.per_period)
     phasors = phasors[:, 1 : max(_BESIDE + 2, math.floor(samples.usable_order) + 1)]
-    square = np.abs(np.diff(phasors, 2, axis=0)) ** 2 / _OF_WHITE / samples.periods
+    differences = np.diff(phasors, 2, axis=0)
+    square = np.abs(differences) ** 2 / _OF_WHITE / samples.periods
     own, beside = square[:, 0], np.mean(square[:, 1 : 1 + _BESIDE], axis=1)
-    if _is_more(float(np.mean(own)), float(np.mean(beside)), len(own)):
-        square[:, 0] = beside
+    typical = float(np.median(own)), float(np.median(beside))  # of those without a step
+    if _is_more(*typical, len(own)):
+        left = without_swing(differences)
+        others = square[:, 1:] if left is None else np.abs(left) ** 2 / _OF_WHITE / samples.periods
+        square = np.insert(others, 0, np.mean(others[:, :_BESIDE], axis=1), axis=1)
     of_orders, half = np.median(square, axis=0), square.shape[1] // 2
     lower, upper = float(np.mean(of_orders[:half])), float(np.mean(of_orders[half:]))
     if samples.periods < _FEWEST_PERIODS and (
@@ -220,7 +227,9 @@ def _differences(samples: CoherentSamples) -> _Differences | NoFloor:
     power = (1.0 - of_below) * from_first + of_below * below
     variance = of_one / alike + (of_below * below / power) ** 2 * of_one / (1 + _BESIDE)
     left_out = len(of_each) - len(kept)
-    return _Differences(power, from_first, below, float(np.mean(of_each)), variance, left_out, len(of_each))
+    in_a_step = _OF_A_STEP + len(differences) - len(square)  # where the fit has those before and after
+    of_all = float(np.mean(of_each))
+    return _Differences(power, from_first, below, of_all, variance, left_out, len(of_each), in_a_step)
 
 
 def _alike(square: NDArray[np.float64]) -> float:

@@ -50,7 +50,10 @@ def _relative(
 
 @pytest.mark.parametrize(
     ("periods", "course"),
-    [(4, "ramp"), (9, "ramp"), (9, "step"), (9, "swing and ramp"), (40, "ramp"), (40, "swing and ramp")],
+    [
+        *((4, "ramp"), (9, "ramp"), (9, "step"), (9, "swing and ramp"), (40, "ramp"), (40, "swing and ramp")),
+        (70, "step and a swing in few periods"),
+    ],
 )
 def test_a_change_of_the_amplitude_is_no_noise(periods: int, course: str) -> None:
     place = np.linspace(-0.5, 0.5, periods * _PER_PERIOD)
@@ -59,6 +62,8 @@ def test_a_change_of_the_amplitude_is_no_noise(periods: int, course: str) -> Non
         size = np.where(place < 0.13, 1.0, 1.04)
     elif course == "swing and ramp":
         size = size + 0.005 * np.cos(2 * np.pi * 1.3 * place)
+    elif course == "step and a swing in few periods":
+        size = np.where(place < 0.13, 1.0, 0.92) + 0.006 * np.cos(2 * np.pi * 0.39 * periods * place)
     plain, found, error = np.transpose([_relative(periods, size, seed) for seed in range(30)])
     assert np.median(plain) > 1.5
     assert np.mean(found) == pytest.approx(1.0, abs=0.06)
