@@ -126,12 +126,16 @@ def quick_swing(coherent: CoherentSamples, track: PhaseTrack, harmonics: Floats)
 
 
 def _keeps_to_track(phase_rad: Floats) -> bool:
-    """Return whether phases half a period apart, shape (n,), rise or fall slowly beside their swing."""
+    """Return whether phases half a period apart, shape (n,), rise or fall slowly beside their swing: their
+    course, and the parabola through all of them as far as the first and the last row."""
     if len(phase_rad) <= _SLOWLY:
         return False
     window = np.hanning(_SLOWLY + 2)[1:-1]
     course_rad = np.convolve(phase_rad, window / np.sum(window), "valid")
-    return bool(np.max(np.abs(np.diff(course_rad))) < np.pi * _OFF_TRACK)
+    parabola = np.polynomial.Polynomial.fit(np.arange(len(phase_rad)), phase_rad, 2)
+    steepest = np.abs(parabola.deriv()(np.array([-_TAPS, len(phase_rad) + _TAPS])))
+    most_rad = np.pi * _OFF_TRACK
+    return bool(np.max(np.abs(np.diff(course_rad))) < most_rad and np.max(steepest) < most_rad)
 
 
 @lru_cache(maxsize=1)

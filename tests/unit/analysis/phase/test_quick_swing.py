@@ -144,3 +144,20 @@ def test_the_phase_within_periods_counts_where_it_is_surer() -> None:
     assert swing.turned(track, 0.5, 0.0) is not None
     assert swing.turned(track, 1e-3, 0.5) is None
     assert swing.turned(track, 0.5, 0.6) is None
+
+
+@pytest.mark.parametrize("periods", [24.3, 30.3])
+def test_a_drift_over_few_periods_is_no_swing(periods: float) -> None:
+    """Of 6 % the frequency leaves that of the track most at both ends, where the phase within periods would
+    be foreseen: it had twenty times the uncertainty, and three times that for an error."""
+    rate_Hz, f_Hz = 8000.0, 60.0
+    rows = round(periods / f_Hz * rate_Hz)
+    t = (np.arange(rows) - 0.5 * (rows - 1)) / rate_Hz
+    phase_rad = 2.0 * np.pi * f_Hz * t * (1.0 + 0.03 * t * f_Hz / periods) + 1.0
+    wave = np.cos(phase_rad) + 0.03 * np.cos(5.0 * phase_rad + 2.0)
+    wave += 4e-4 * np.random.default_rng(0).standard_normal(rows)
+    frequency, *_ = current_spectrum(
+        Block.from_arrays(rate_Hz, {"i_a": "A"}, i_a=wave), "i_a", track_tone(wave)
+    ).measurements
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - f_Hz) < 3.0 * frequency.uncertainty.standard < 3e-4
