@@ -259,7 +259,8 @@ CURRENT_SPECTRUM: Final = Analysis(
             ("current_fundamental",),
             "A",
             "A_1, without what leaks into it from tones between the harmonics, steady or swept, and a "
-            "decaying dc; of an amplitude that ramps, steps or swings the mean over time",
+            "decaying dc; of an amplitude that ramps or steps the mean over time, of one that swings for a "
+            "cycle or more that about which it swings",
             "noise beside the line, with the course of the amplitude divided out, or, of one with a memory, "
             "that of its mean over periods; resampling, wander of the phase, resolution, the fit of a tone "
             "nearby, a line less than 1.5 bins away",
@@ -267,7 +268,8 @@ CURRENT_SPECTRUM: Final = Analysis(
         Quantity(
             ("current_max_low_harmonic",),
             "A",
-            "largest bin below 10 f_1 but dc and fundamental; interharmonics count",
+            "largest bin below 10 f_1 but dc and fundamental; interharmonics count, but not what leaks from "
+            "them into the bins of harmonics",
             "likewise, and what the largest of n bins of noise reads, A_n sqrt(ln n), or the largest line "
             "that a converter's errors fold down to",
         ),

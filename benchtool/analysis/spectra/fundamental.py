@@ -53,7 +53,8 @@ def fundamental_and_largest(
     limit_Hz = min(_LOW_ORDER * f_1, float(spectrum.frequency_Hz[-1]))
     text = (
         f"largest peak amplitude below {raw(limit_Hz, 6)} Hz other than dc and the fundamental, here at "
-        f"{raw(largest.frequency_Hz, 6)} Hz; all bins, {raw(f_1 / periods, 4)} Hz apart"
+        f"{raw(largest.frequency_Hz, 6)} Hz; all bins, {raw(f_1 / periods, 4)} Hz apart, those of harmonics "
+        f"without what tones between them leak there"
     )
     low = replace(basis, bandwidth_Hz=limit_Hz, frequency_Hz=largest.frequency_Hz)
     place = round(largest.frequency_Hz / spectrum.frequency_Hz[1])
