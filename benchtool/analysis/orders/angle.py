@@ -19,6 +19,7 @@ _SAME_RAD = 1e-9
 _STANDS = 0.01  # of a revolution: a rotor that moves by less stands
 _ROWS_PER_UPDATE = 1.2  # from which an angle may be updated more rarely than it is read
 _COUNTS_PER_UPDATE = 1.5  # of the least step: an angle that counts moves by one, rarely by two
+_WITHIN_COUNTS, _HIGHEST_DEGREE = 0.6, 4  # of a count: half of it, and what its places move a curve by
 _GAP, _BESIDE_A_GAP = 1.5, 16  # times the usual step of the time; rows by which the speed there is told
 _COARSE = 1.2  # samples for each angle of each revolution, from which the angle is taken to count in steps
 
@@ -98,6 +99,21 @@ def least_step_rad(angle_rad: NDArray[np.float64]) -> float:
     counts, and of any other next to nothing. The rounding of an angle that starts over is none."""
     arcs = np.diff(np.sort(np.mod(angle_rad, TURN)))
     return float(np.min(arcs[arcs > _SAME_RAD], initial=TURN))
+
+
+def without_counts(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an angle without jumps, shape (n,), read at `times`, along a polynomial of these that is within
+    its counts everywhere; as it is where none is.
+
+    The steps of an angle that counts are an error that repeats in every revolution where rows and counts keep
+    step: order k of it folds order m of a signal to orders m - k and m + k.
+    """
+    within = _WITHIN_COUNTS * least_step_rad(angle_rad)
+    for degree in range(1, _HIGHEST_DEGREE + 1):
+        smooth = np.polynomial.Polynomial.fit(times, angle_rad, degree)(times)
+        if float(np.max(np.abs(angle_rad - smooth))) < within:
+            return np.asarray(smooth)
+    return angle_rad
 
 
 def between_updates(angle_rad: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -22,6 +22,7 @@ from benchtool.analysis.orders.angle import (
     few_revolutions,
     least_step_rad,
     unwrapped_angle,
+    without_counts,
 )
 from benchtool.analysis.orders.angle_orders import sector_means
 from benchtool.analysis.orders.held_angle import held_angle
@@ -164,7 +165,8 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     lost = held_angle(unwrapped_angle(np.ascontiguousarray(block.column(angle)), angle))
     if np.any(lost):
         block = block.without(lost)
-    coverage = angle_coverage(angle_of(block, angle), angle)
+    times = block.ticks().astype(np.float64)
+    coverage = angle_coverage(without_counts(angle_of(block, angle), times), angle)
     if few := few_revolutions(coverage.angle_rad, angle, FEWEST_REVOLUTIONS):
         raise AnalysisError(few)
     step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
@@ -175,9 +177,9 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
             pass
         else:
             return smooth
-    ticks, rate_Hz = block.ticks(), block.sample_rate_Hz
-    basis = Basis(len(block.data), rate_Hz, float(np.ptp(ticks)) / rate_Hz, gaps=len(block.gaps))
-    wobble, source = _wobble_of(coverage, ticks.astype(np.float64)), WobbleSource()
+    rate_Hz = block.sample_rate_Hz
+    basis = Basis(len(block.data), rate_Hz, float(np.ptp(times)) / rate_Hz, gaps=len(block.gaps))
+    wobble, source = _wobble_of(coverage, times), WobbleSource()
     if wobble.rms_rad > LARGEST_WOBBLE_RAD:
         try:
             smooth, source = _by_time(block, channel, angle, None, _NEARLY_ALL * wobble.rms_rad)

@@ -19,7 +19,7 @@ from benchtool.analysis.orders.angle import (
 from benchtool.analysis.orders.angle_orders import fit_orders, sector_means
 from benchtool.analysis.orders.order_spectrum import OrderSpectrum, resampled_orders
 from benchtool.analysis.orders.orders import describe_orders, order_analysis
-from benchtool.block import Gap
+from benchtool.block import Block, Gap
 from benchtool.errors import AnalysisError
 from tests.unit.analysis.orders.cogging_torque import (
     COGGING,
@@ -349,3 +349,23 @@ def test_an_angle_that_counts_in_steps_is_left_as_it_is(rows: int) -> None:
     times = np.arange(len(counted), dtype=np.float64)
     assert between_updates(counted, times) is counted
     assert least_step_rad(np.mod(counted, TURN)) == pytest.approx(TURN / 512)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_counts_that_keep_step_with_the_rows_fold_no_order_of_a_recording_with_gaps(seed: int) -> None:
+    """Of 1024 counts in 1000 rows the steps are an error of order 24, which folds order 48 onto 24: it was
+    three to ten uncertainties off."""
+    rng = np.random.default_rng(seed)
+    rows, counts = np.arange(15_600), 1024
+    turned = rows / 1000.0 + rng.random()
+    torque = 1.0 + 0.05 * np.cos(2.0 * np.pi * 24.0 * turned + 6.0 * rng.random())
+    torque += 5e-4 * rng.standard_normal(len(rows))
+    angle = np.mod(np.floor(turned * counts) * 2.0 * np.pi / counts, 2.0 * np.pi)
+    whole = Block.from_arrays(8000.0, {"torque": "Nm", "theta_m": "rad"}, torque=torque, theta_m=angle)
+    lost = np.zeros(len(rows), dtype=np.bool_)
+    for begin in rng.integers(500, 15_000, 6):
+        lost[begin : begin + 30] = True
+    found = order_analysis(whole.without(lost), "torque", orders=(24,))
+    (order,) = (each for each in found.measurements if each.name == "torque_order_24")
+    assert order.uncertainty is not None
+    assert abs(order.value - 0.05) < 3.0 * order.uncertainty.standard < 2e-4
