@@ -208,7 +208,7 @@ class Analysis(Generic[Settings]):
         fewest_revolutions: mechanical revolutions that its window has to have; without them its measurements
             are undefined.
         of_spectra: whether its numbers are of ratios of spectra, each frequency by itself: then the response
-            of a sensor can be divided out of a channel.
+            of a sensor can be divided out of a channel with its noise.
         figures: of one case.
         comparisons: of several cases side by side: what `figure` of a plan may name.
         source: the package that it comes from; empty for those of benchtool.

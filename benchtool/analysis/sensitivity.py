@@ -131,10 +131,10 @@ class Sensitivities:
     """What errors of sensors do to a number.
 
     `channels` are those that it is computed from; None if it has to be measured again with all errors of the
-    channels that it `rests_on`, which `is_signed` says may take it below zero. `of_spectra` says that it
-    is of ratios of spectra, each frequency by itself: then the response of a sensor can be divided out of a
-    channel. Both follow from the declaration of the analysis, which adds them. `of_largest` says that it is
-    of the line that was chosen as the largest of the channel, which before a sensor may be another.
+    channels that it `rests_on`. `of_spectra` says that it is of ratios of spectra, each frequency by itself:
+    then the response of a sensor can be divided out of a channel with its noise. Both follow from the
+    declaration of the analysis, which adds them. `of_largest` says that it is of the line that was chosen as
+    the largest of the channel, which before a sensor may be another.
 
     Of a symmetrical component the derivatives are the largest changes that an error causes: a magnitude near
     zero grows with an error of either sign.
@@ -142,7 +142,6 @@ class Sensitivities:
 
     channels: tuple[Sensitivity, ...] | None = None
     content: Content = Level()
-    is_signed: bool = False
     rests_on: tuple[str, ...] = ()
     of_spectra: bool = False
     of_largest: bool = False
@@ -207,9 +206,7 @@ class Sensitivities:
 
 
 MEASURED_AGAIN: Final = Sensitivities()
-"""Of a number that cannot be below zero: an rms, a time, an overshoot, a gain."""
-
-SIGNED_AND_MEASURED_AGAIN: Final = Sensitivities(is_signed=True)
+"""Of a number that hangs on the waveform: a time, an overshoot, a gain."""
 
 NO_SENSORS: Final = Sensitivities(())
 """Of a number that no error of a sensor moves, whatever the channels."""

@@ -30,7 +30,7 @@ from benchtool.analysis.responses.gain_at_rest import gain_at_rest
 from benchtool.analysis.responses.margins import Loop, loop_of, margins
 from benchtool.analysis.responses.response_curve import Point, ResponseCurve
 from benchtool.analysis.responses.response_delay import response_delay
-from benchtool.analysis.sensitivity import NO_SENSORS, SIGNED_AND_MEASURED_AGAIN
+from benchtool.analysis.sensitivity import NO_SENSORS
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_unbroken
 from benchtool.analysis.window import PLAYED, Window
@@ -254,9 +254,7 @@ def _resonance(
         return Measurement.undefined("resonance_peak", "dB", text, reason, basis)
     peak_dB, standard_dB = above_zero(peak_dB, standard_dB)
     uncertain = Uncertainty(standard_dB, f"{_STATISTICAL}, and of response_gain")
-    return Measurement(
-        "resonance_peak", peak_dB, "dB", text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-    )
+    return Measurement("resonance_peak", peak_dB, "dB", text, basis, uncertain)
 
 
 def _greatest_by_chance(count: int) -> float:

@@ -19,7 +19,6 @@ from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.estimated_response import NEPER_DB, decibels, without_jumps
 from benchtool.analysis.responses.local_reciprocal import LocalReciprocal
 from benchtool.analysis.responses.response_curve import Point, ResponseCurve
-from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
@@ -146,9 +145,7 @@ def _of_open_loop(
             why = f"the gain is above 1 again at {again} Hz, as of a resonance: its margin counts too"
             yield Measurement.undefined("phase_margin", unit, text, why, basis)
         else:
-            yield Measurement(
-                "phase_margin", margin, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-            )
+            yield Measurement("phase_margin", margin, unit, text, basis, uncertain)
 
     unit, text = _of_open("gain_margin", loop)
     if crossover is not None and not reason:
@@ -165,9 +162,7 @@ def _of_open_loop(
         level_dB, level_error = gain.at(turned.frequency_Hz)
         along = gain.slope_at(turned.frequency_Hz) * turned.standard_Hz
         uncertain = Uncertainty(math.hypot(level_error, along), _SOURCE)
-        yield Measurement(
-            "gain_margin", -level_dB, unit, text, basis, uncertain, sensitivities=SIGNED_AND_MEASURED_AGAIN
-        )
+        yield Measurement("gain_margin", -level_dB, unit, text, basis, uncertain)
 
 
 def _branch(frequency_Hz: Floats, opened: NDArray[np.complex128], crossover_Hz: float) -> tuple[int, int]:

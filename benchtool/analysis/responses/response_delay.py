@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.numbers import raw
 from benchtool.analysis.responses.response_curve import Point
-from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
@@ -75,7 +74,6 @@ def response_delay(
         text,
         basis,
         uncertain,
-        sensitivities=SIGNED_AND_MEASURED_AGAIN,
     )
 
 

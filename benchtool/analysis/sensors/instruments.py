@@ -21,7 +21,7 @@ from benchtool.analysis.sensors.effects import before_the_sensors, moved_by_step
 from benchtool.analysis.sensors.lag import Lag, Response
 from benchtool.analysis.sensors.largest_line import may_be_another
 from benchtool.analysis.sensors.tables import with_sensors
-from benchtool.analysis.sensors.waveform import Waveform, in_steps, lagged
+from benchtool.analysis.sensors.waveform import Undone, Waveform, before_sensor, in_steps
 from benchtool.analysis.uncertainty import Contribution, InstrumentError
 from benchtool.block import Block
 from benchtool.profile import Bench, Instrument, Sensor
@@ -42,15 +42,15 @@ _OF_CLOCK: Final = frozenset({"s", "Hz"})  # measured by a clock alone
 class Perturbed:
     """A channel with a perturbed sensor error: (1 + gain) x reading + offset.
 
-    Or through as many more sensors of the response `by`, before one if `lags` is -1, or in steps of `step`
-    whose grid begins at `phase`.
+    Or as it was before a sensor of the response `by`, as far as that is `undone`, or in steps of `step` whose
+    grid begins at `phase`.
     """
 
     channel: str
     gain: float = 0.0
     offset: float = 0.0
     by: Response | None = None
-    lags: int = 0
+    undone: Undone = Undone.SIGNAL
     step: float = 0.0
     phase: float = 0.0
 
@@ -61,7 +61,7 @@ class Perturbed:
         data = np.array(block.data)
         values = self.reading(block.column(self.channel))
         if self.by is not None:
-            values = lagged(values, block.sample_rate_Hz, self.by, self.lags)
+            values = before_sensor(values, block.sample_rate_Hz, self.by, self.undone)
         data[:, block.names.index(self.channel)] = values
         return replace(block, data=data)
 
@@ -278,8 +278,7 @@ class Instruments:
         """Return what the sensors do to measurements without declared sensitivities, by name.
 
         Of gain and offset it is the change for one standard uncertainty either way, the larger of the two
-        (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what one lag less would read, of ratios of spectra by
-        division, of others, which that would bury in noise, by further lags; of a resolution the rms
+        (JCGM 100:2008, 5.1.3, note 2); of a bandwidth what was before the sensor; of a resolution the rms
         change over places of its grid.
         """
         left = {
@@ -323,17 +322,14 @@ class Instruments:
                     by = _larger(up.get(name, math.nan) - each.value, each.value - down.get(name, math.nan))
                     moved[name].lines.append(line(channel, sensor, by))
         if (lag := Lag.of(sensor)) is not None and (own := moved_by(Error.BANDWIDTH)):
-            spectral = {name for name, each in own.items() if each.sensitivities.of_spectra}
-            before = [measured(by=by, lags=-1) for by in lag.responses] if spectral else []
-            further = lag.once_more if len(spectral) < len(own) else ()
-            later = [[read(by=by, lags=lags) for lags in (1, 2)] for by in further]
-            for name, each in own.items():
-                if name in spectral:
-                    effect = _by_division(each, [of.get(name) for of in before], channel, sensor, lag)
-                else:
-                    values = [(once.get(name, math.nan), twice.get(name, math.nan)) for once, twice in later]
-                    effect = _by_lags(each, values, channel, sensor, lag)
-                moved[name].effects.append(effect)
+            for undone in {_undone(each) for each in own.values()}:
+                before = [measured(by=by, undone=undone) for by in lag.responses]
+                if undone is Undone.SIGNAL:
+                    before.append(measured(by=lag.responses[0], undone=Undone.LOWER))
+                for name, each in own.items():
+                    if _undone(each) is undone:
+                        numbers = [of.get(name) for of in before]
+                        moved[name].effects.append(_by_lag(each, numbers, channel, sensor, lag))
         own = moved_by(Error.RESOLUTION)
         if sensor.resolution and own and (rest := self._rest(channel, sensor)) > 0.0:
             grids = [read(step=sensor.resolution, phase=phase) for phase in _GRIDS]
@@ -348,32 +344,23 @@ class Instruments:
                     moved[name].remarks.append(text)
 
 
-def _by_division(
+def _by_lag(
     each: Measurement, before: Sequence[Measurement | None], channel: str, sensor: Sensor, lag: Lag
 ) -> Effect | str:
     """Return what a bandwidth has done to a number, by what it was before each response, or why that is not
-    known."""
+    known. One more of what was before the first, with less of it taken back, tells what is not."""
     whole = [of for of in before if of is not None and math.isfinite(of.value)]
     if len(whole) < len(before):
         return _not_known("that number before it", {channel: sensor})
-    estimate = lag.estimate(each.value, [of.value for of in whole])
-    scatter = None if lag.tolerance is None else whole[0].uncertainty
-    return Effect.of_sensors({channel: sensor}, lag, estimate, scatter)
+    first, *lower = whole[0], *whole[len(lag.responses) :]
+    estimate = lag.estimate(each.value, [of.value for of in whole[: len(lag.responses)]])
+    lost = math.hypot(*(of.value - first.value for of in lower))
+    estimate = replace(estimate, standard=math.hypot(estimate.standard, lost))
+    return Effect.of_sensors({channel: sensor}, lag, estimate, first.uncertainty)
 
 
-def _by_lags(
-    each: Measurement, later: Sequence[tuple[float, float]], channel: str, sensor: Sensor, lag: Lag
-) -> Effect | str:
-    """Return what a bandwidth has done to a number, by what it is with further such sensors, or why that is
-    not known."""
-    if not all(math.isfinite(once) for once, _ in later):
-        return _not_known("a number with a further lag", {channel: sensor})
-    scatter = 0.0 if each.uncertainty is None else each.uncertainty.standard
-    estimate = lag.estimate_by_lags(each.value, scatter, later, positive=not each.sensitivities.is_signed)
-    if estimate is None:
-        of = bandwidth_of(channel, sensor)
-        return f"a further such sensor changes it by more than it is (bandwidth of {of})"
-    return Effect.of_sensors({channel: sensor}, lag, estimate)
+def _undone(each: Measurement) -> Undone:
+    return Undone.ALL if each.sensitivities.of_spectra else Undone.SIGNAL
 
 
 def sensor_remarks(measurements: Iterable[Measurement]) -> dict[str, str]:

@@ -94,36 +94,3 @@ class Lag:
             return Estimate(0.5 * (least + greatest), 0.5 * (greatest - least))
         whole, low, high = before
         return Estimate(whole, 0.5 * abs(high - low) / _ROOT_3)
-
-    def estimate_by_lags(
-        self, read: float, scatter: float, later: Sequence[tuple[float, float]], *, positive: bool
-    ) -> Estimate | None:
-        """Return the estimate of a number that hangs on the waveform, of what it is with one and with two
-        further such sensors, for each of `once_more`; nan where it is not found with two.
-
-        Where losses add up it is the parabola through the three: of a line behind a lag within 0.2 % at half
-        the bandwidth and 2.5 % low at the bandwidth; and the straight line through the first two, which
-        scatters less, where the number's own `scatter` hides that they differ. By how much they do enters
-        besides, and once more the scatter, as far as it is not more than the loss: what was added is a
-        difference of such numbers. Of limits of the bandwidth a loss has at most the square.
-
-        None where a number that is `positive` would have been below zero: a further sensor changes it by
-        more than there is.
-        """
-        whole, bent = [], 0.0
-        for once, twice in later:
-            straight = 2.0 * read - once
-            bends = read - 2.0 * once + twice if math.isfinite(twice) else straight - read
-            whole.append(straight + bends if math.isfinite(twice) and abs(bends) > scatter else straight)
-            bent = max(bent, abs(bends))
-        if positive and min(whole) < min(read, 0.0):
-            return None
-        found = self.estimate(read, whole if self.tolerance is None else whole * 3)
-        added = abs(found.value - read)
-        limits = 0.0 if self.tolerance is None else 2.0 * self.tolerance * added / _ROOT_3
-        return Estimate(found.value, math.hypot(found.standard, limits, bent, min(scatter, added)))
-
-    @property
-    def once_more(self) -> tuple[Response, ...]:
-        """The responses with which a recording is measured again."""
-        return self.responses if self.tolerance is None else self.responses[:1]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from enum import Enum, auto
 from functools import cached_property
 from typing import Final
 
@@ -30,7 +31,8 @@ _APART = 0.1  # of a step, rms: how much their lines differ
 _MOST_LINES = 64
 _OF_A_STEP = 0.25  # lines below may be the steps' own
 _OF_A_LINE = 1.5  # power of three bins over that of the largest, of a line under a Hann window
-_BINS, _ROWS = 65, 9  # whose mean tells signal from noise
+_BINS = 65  # whose mean tells signal from noise
+_LOWER = 0.75  # times the frequencies up to which signal is taken back
 _CLEARLY = 6.0  # over the root of their number: by how much noise hardly exceeds its lower quartile
 _STANDS_OUT = 12.0  # of the mean power of noise, which one bin of 160000 exceeds
 
@@ -224,26 +226,36 @@ def moved_small_line(waveform: Waveform, step: float, amplitude: float) -> float
     return math.sqrt(sum(change**2 for change in changes) / len(changes))
 
 
-def lagged(samples: Floats, rate_Hz: float, by: Response, times: int = 1) -> Floats:
-    """Return what further sensors of that response make of samples, shape (n,); with `times` = -1 what they
-    were before one.
+class Undone(Enum):
+    """What of a spectrum is taken back before a sensor: `ALL`, as ratios of spectra need it, each frequency
+    by itself; the `SIGNAL` that stands out of the noise; or what would if all frequencies were `LOWER` by a
+    quarter, which shows what is lost with the highest."""
+
+    ALL = auto()
+    SIGNAL = auto()
+    LOWER = auto()
+
+
+def before_sensor(samples: Floats, rate_Hz: float, by: Response, undone: Undone) -> Floats:
+    """Return what samples, shape (n,), were before a sensor of that response.
 
     By its frequency response. Before the first and past the last the samples go on as in a mirror, which
-    keeps their mean. What does not stand out of the noise stays as it is with a further sensor: it is noise
-    of the reading, which the first has not attenuated.
+    keeps their mean. What does not stand out of the noise stays as it is: it is noise of the reading, which
+    the sensor has not attenuated.
     """
-    count = len(samples)
     mirrored = np.concatenate([samples, samples[::-1]])
     bins = np.asarray(fft.rfft(mirrored))
     inverse = by.inverse(np.asarray(fft.rfftfreq(len(mirrored), 1.0 / rate_Hz), dtype=np.float64))
-    changes = bins * (inverse**-times - 1.0)
-    changed = fft.irfft(changes, len(mirrored))[:count]
-    if times > 0:
-        of_signal = fft.irfft(_share_of_signal(np.abs(bins) ** 2, _BINS) * changes, len(mirrored))[:count]
-        # an edge stands out where it is, of bins that each do not
-        left = changed - of_signal
-        changed = of_signal + _share_of_signal(left**2, _ROWS) * left
-    return np.asarray(samples + changed)
+    added = fft.irfft(_share(bins, undone) * bins * (inverse - 1.0), len(mirrored))[: len(samples)]
+    return np.asarray(samples + added)
+
+
+def _share(bins: NDArray[np.complex128], undone: Undone) -> Floats:
+    """Return how much of each bin, shape (n,), is taken back."""
+    if undone is Undone.ALL:
+        return np.ones(len(bins))
+    share, places = _share_of_signal(np.abs(bins) ** 2), np.arange(len(bins))
+    return share if undone is Undone.SIGNAL else np.interp(places / _LOWER, places, share, right=0.0)
 
 
 def _least_of_lines(power: Floats) -> float:
@@ -252,11 +264,11 @@ def _least_of_lines(power: Floats) -> float:
     return _STANDS_OUT * float(np.quantile(power, 0.25)) / math.log(4.0 / 3.0)
 
 
-def _share_of_signal(power: Floats, neighbours: int) -> Floats:
-    """Return how much of each bin or sample, shape (n,), is signal and not noise, as by Wiener's filter: by
-    the mean power of so many neighbours, so that a transient has a smooth share along its spectrum."""
-    near = np.convolve(power, np.full(neighbours, 1.0 / neighbours), mode="same")
-    floor = (1.0 + _CLEARLY / math.sqrt(neighbours)) * float(np.quantile(near, 0.25))
+def _share_of_signal(power: Floats) -> Floats:
+    """Return how much of each bin, shape (n,), is signal and not noise, as by Wiener's filter: by the mean
+    power of its neighbours, so that a transient has a smooth share along its spectrum."""
+    near = np.convolve(power, np.full(_BINS, 1.0 / _BINS), mode="same")
+    floor = (1.0 + _CLEARLY / math.sqrt(_BINS)) * float(np.quantile(near, 0.25))
     return np.asarray(1.0 - floor / np.maximum(near, floor + np.finfo(float).tiny))
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.measurement import Measurement
-from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import CALM, NoisyCurve
 from benchtool.analysis.steps.passages import Instant
@@ -60,7 +59,7 @@ def plateau_numbers(
             yield Measurement.undefined(name, step.unit, text, reason, step.basis)
         else:
             value = float(of(found.values))
-            yield step.number(name, text, value, uncertain(found), SIGNED_AND_MEASURED_AGAIN)
+            yield step.number(name, text, value, uncertain(found))
 
 
 def tracking_numbers(
@@ -84,7 +83,7 @@ def tracking_numbers(
     window = f"signal minus reference, {left} samples after settling"
     mean = float(np.mean(found.values))
     text = f"mean of {window}"
-    yield step.number("tracking_error_mean", text, mean, found.of_mean(), SIGNED_AND_MEASURED_AGAIN)
+    yield step.number("tracking_error_mean", text, mean, found.of_mean())
     yield _tracking_rms(step, found, window)
     greatest = float(np.max(np.abs(found.values)))
     text = f"greatest magnitude of {window}"

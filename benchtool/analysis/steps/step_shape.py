@@ -15,7 +15,6 @@ from benchtool.analysis.quantisation.counted_speed import (
     is_counted,
     most_of_counts,
 )
-from benchtool.analysis.sensitivity import MEASURED_AGAIN, Sensitivities
 from benchtool.analysis.statistics.clicks import KnownClicks
 from benchtool.analysis.statistics.outlying_samples import converter_step, without_clicks
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
@@ -90,17 +89,9 @@ class Step:
     unit: str
     basis: Basis
 
-    def number(
-        self,
-        name: str,
-        definition: str,
-        value: float,
-        uncertain: Uncertainty | None,
-        sensitivities: Sensitivities = MEASURED_AGAIN,
-    ) -> Measurement:
+    def number(self, name: str, definition: str, value: float, uncertain: Uncertainty | None) -> Measurement:
         """Return a number of the step in the signal's unit."""
-        basis = self.basis
-        return Measurement(name, value, self.unit, definition, basis, uncertain, sensitivities=sensitivities)
+        return Measurement(name, value, self.unit, definition, self.basis, uncertain)
 
     @cached_property
     def converter_step(self) -> float:

@@ -18,7 +18,6 @@ from benchtool.analysis.crop import crop_to
 from benchtool.analysis.declaration import Analysis, Findings, NoSettings, Quantity
 from benchtool.analysis.measurement import Basis, Measurement
 from benchtool.analysis.numbers import raw
-from benchtool.analysis.sensitivity import SIGNED_AND_MEASURED_AGAIN
 from benchtool.analysis.statistics.scatter import TOO_SLOW, MeanError, error_of_record, error_of_root
 from benchtool.analysis.uncertainty import combined
 from benchtool.analysis.validity import require_finite_channels, require_unbroken
@@ -173,8 +172,7 @@ def _of_transducer(
 def _mean_and_rms(residual_Nm: Floats, name: str, what: str, basis: Basis) -> Iterator[Measurement]:
     mean = float(np.mean(residual_Nm))
     text = f"mean of {what}"
-    of_mean = _scatter(Measurement(f"{name}_mean", mean, "Nm", text, basis), error_of_record(residual_Nm))
-    yield replace(of_mean, sensitivities=SIGNED_AND_MEASURED_AGAIN)
+    yield _scatter(Measurement(f"{name}_mean", mean, "Nm", text, basis), error_of_record(residual_Nm))
     rms = float(np.sqrt(np.mean(residual_Nm**2)))
     square = residual_Nm**2
     of_rms = Measurement(f"{name}_rms", rms, "Nm", f"rms, with the mean, of {what}", basis)

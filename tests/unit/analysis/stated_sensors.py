@@ -15,7 +15,6 @@ from benchtool.analysis.sensitivity import (
     MEASURED_AGAIN,
     NO_SENSORS,
     OF_MEAN_STEP,
-    SIGNED_AND_MEASURED_AGAIN,
     Component,
     Harmonics,
     Largest,
@@ -48,7 +47,6 @@ _SENSED: Final[Mapping[str, Callable[[float], Sensitivities]]] = {
     **dict.fromkeys(
         ("torque_order_24", "torque_line_amplitude"), lambda value: Sensitivities.of_line("torque", value)
     ),
-    "torque_residual_mean": lambda _: SIGNED_AND_MEASURED_AGAIN,
     "fundamental_frequency": lambda _: NO_SENSORS,
     "current_fundamental": lambda value: Sensitivities.of_line("i_a", value),
     "current_thd_f": lambda _: Sensitivities((Sensitivity("i_a"),), Harmonics(50.0, as_ratio=True)),
