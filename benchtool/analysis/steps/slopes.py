@@ -63,7 +63,7 @@ def without_drift(before: Floats, at_rest: Floats) -> tuple[Floats, Floats]:
     """Return the samples before a step and those at rest after it without a drift that both have for certain:
     it is no slow noise. The level before the step is then that at the step."""
     drift = Slope.of(before)
-    if drift is None or not drift.is_certain_at_rest or not drift.goes_on_in(at_rest):
+    if drift is None or not drift.is_certain or not drift.goes_on_in(at_rest):
         return before, at_rest
     ahead, behind = np.arange(-len(before), 0), places_about_middle(len(at_rest))
     return before - drift.value * ahead, at_rest - drift.value * behind

@@ -140,7 +140,7 @@ def find_drift(step: Step, at_rest: Floats) -> Drift:
         return Drift(reason, with_steps)
     both = _of_both(_under_noise_of(at_rest, len(step.y_before), with_steps), Slope.of(at_rest))
     doubt = abs(both.value) if abs(both.value) > _DOUBTFUL * both.standard else 0.0
-    return Drift(slope=with_steps if with_steps.is_certain_at_rest else None, doubt=doubt)
+    return Drift(slope=with_steps if with_steps.is_certain else None, doubt=doubt)
 
 
 def _under_noise_of(at_rest: Floats, count: int, before: Slope) -> Slope:

@@ -72,6 +72,21 @@ def test_a_drift_goes_on_and_the_slope_of_popcorn_noise_does_not() -> None:
     assert not any(goes_on["popcorn"])
 
 
+def test_a_slope_that_is_certain_before_a_step_and_at_rest_is_a_drift() -> None:
+    """Of four standard uncertainties before the step it is certain, and after it of thirty."""
+    random, line, found = np.random.default_rng(17), 1.4e-5 * (np.arange(ROWS) - BEFORE), []
+    for _ in range(12):
+        samples = WAY + line + NOISE * random.standard_normal(ROWS)
+        before = Slope.of(samples[:BEFORE])
+        assert before is not None
+        if before.is_certain and not before.is_certain_at_rest:
+            mean = _found(samples, 1.0)["plateau_mean"]
+            assert mean.uncertainty is not None
+            found.append(mean.uncertainty.standard)
+    assert len(found) >= 2
+    assert max(found) < 2e-4  # of noise 1e-4; with the drift as slow noise 4e-3
+
+
 def test_samples_are_about_their_mean_where_a_slope_before_them_does_not_go_on() -> None:
     random = np.random.default_rng(14)
     begin, noise = Instant(BEFORE + DECAY * np.log(50.0), 0.1), Noise(np.zeros(1))
