@@ -177,7 +177,7 @@ SECTIONS: Final = (
         "Gain, offset, bandwidth, resolution, calibration and sample times of the instruments, in every "
         "number that they touch (`benchtool.analysis.sensors`).",
         """
-        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522 0534 0536
+        0062 0269 0063 0064 0216 0402 0435 0253 0419 0268 0254 0069 0079 0394 0485 0522 0534 0536 0538
         """,
     ),
     Section(
