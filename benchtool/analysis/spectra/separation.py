@@ -96,8 +96,13 @@ class Separation:
         """Samples without it, shape (rows,)."""
         if self.taken is None:
             return self.samples
+        return self.samples - self.taken.at(self._of_rows)
+
+    @cached_property
+    def _of_rows(self) -> Course:
+        """Where all rows are in the record."""
         passed = (np.arange(len(self.turns)) - FIRST_ROW) / self.coherent.samples
-        return self.samples - self.taken.at(Course(self.turns / self.coherent.periods, passed))
+        return Course(self.turns / self.coherent.periods, passed)
 
     @cached_property
     def between(self) -> CoherentSamples:
@@ -191,7 +196,9 @@ class Separation:
             apart_rad = self._turned_with_lines() - turned.phase_rad
             return turned.halfway(_MAY_SWING, 0.5 * apart_rad, 0.5 * abs(apart_rad))
         track = replace(self.track, departure=None)
-        coherent = coherent_samples(self.samples, rate_Hz, track, channel, every=True)
+        # means over periods keep some of a dc that decays within few of them
+        samples = self.samples if self.lines is None else self.samples - self.lines.decay(self._of_rows)
+        coherent = coherent_samples(samples, rate_Hz, track, channel, every=True)
         swing = quick_swing(coherent, track, own)
         return None if swing is None else swing.turned(track, turned.standard, _OF_LINE_ALONE * alone)
 
@@ -201,7 +208,7 @@ class Separation:
         turns, rows = self.turns[ends], np.arange(len(self.turns))[ends]
         phasor = np.full(2, self.clean.phasor[periods])
         if self.lines is not None:
-            course = Course(turns / periods, (rows - FIRST_ROW) / self.coherent.samples)
+            course = Course(self._of_rows.turned[ends], self._of_rows.passed[ends])
             places = np.array([*self.lines.places, *(each.by_turns for each in self.lines.moving)])
             about = np.abs(places - periods) < periods
             for line, is_about in zip(self.lines.components(course), about, strict=True):

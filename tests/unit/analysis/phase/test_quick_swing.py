@@ -161,3 +161,20 @@ def test_a_drift_over_few_periods_is_no_swing(periods: float) -> None:
     ).measurements
     assert frequency.uncertainty is not None
     assert abs(frequency.value - f_Hz) < 3.0 * frequency.uncertainty.standard < 3e-4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_dc_that_decays_within_few_periods_is_no_swing(seed: int) -> None:
+    """A mean over a period keeps what it falls by in that over 2 pi: the frequency was up to seven
+    uncertainties off."""
+    random = np.random.default_rng(seed)
+    f_Hz, periods = 17.63, 41.1
+    t = (np.arange(round(periods / f_Hz * RATE_HZ)) / RATE_HZ) * f_Hz / periods  # of the record
+    phase_rad = 2.0 * np.pi * periods * (t - 0.01 * t * (t - 1.0)) + random.uniform(0.0, 6.0)
+    wave = np.cos(phase_rad) + 0.03 * np.cos(5.0 * phase_rad + 2.0) + 0.56 * np.exp(-t / 0.26)
+    wave += 8e-4 * random.standard_normal(len(t))
+    found = current_spectrum(Block.from_arrays(RATE_HZ, {"i_a": "A"}, i_a=wave), "i_a", track_tone(wave))
+    frequency = found.measurements[0]
+    truth_Hz = (phase_rad[-1] - phase_rad[0]) / (2.0 * np.pi) * RATE_HZ / (len(t) - 1)
+    assert frequency.uncertainty is not None
+    assert abs(frequency.value - truth_Hz) < 2.5 * frequency.uncertainty.standard < 1e-3
