@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.lines.line_models import middle_bins
 from benchtool.analysis.spectral_window import hann_response, interpolated, line_at
-from benchtool.analysis.statistics.medians import RAYLEIGH, median
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS, median
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -59,11 +59,11 @@ def surrounded(bins: Complexes, size: Floats, place: int) -> Surrounded:
     )
     if not len(number):
         return Surrounded(place + offset, amplitude, math.nan, math.nan)
-    by_bins = max(median(size[number]) / RAYLEIGH, _continued(number, size[number], place))
+    by_bins = max(median(size[number]) / MEDIAN_OF_RMS, _continued(number, size[number], place))
     far = noise = max(by_bins, _ROUNDING * amplitude)
     below, above = size[max(1, first - _NEAR) : max(1, first)], size[last : last + _NEAR]
     if len(below) == len(above) == _NEAR:
-        nearby = min(median(below), median(above)) / RAYLEIGH
+        nearby = min(median(below), median(above)) / MEDIAN_OF_RMS
         if nearby > noise:
             fitted = _among_lines(bins, size, place, noise)
             if fitted is not None and fitted.noise < _LINES_ALONE * nearby:
@@ -82,7 +82,7 @@ def _continued(number: NDArray[np.int64], around: Floats, place: int) -> float:
     one, other = _pairs(len(number))
     slope = median((level[other] - level[one]) / (at[other] - at[one]))
     slope = min(0.0, max(-_STEEPEST, slope))
-    return math.exp(median(level - slope * (at - math.log(place)))) / RAYLEIGH
+    return math.exp(median(level - slope * (at - math.log(place)))) / MEDIAN_OF_RMS
 
 
 @cache

@@ -24,7 +24,7 @@ from benchtool.analysis.numbers import raw
 from benchtool.analysis.quantisation.repeated_steps import noise_beside, share_left
 from benchtool.analysis.quantisation.resolution import level_of, resolution
 from benchtool.analysis.spectral_window import interpolated, spectral_window
-from benchtool.analysis.statistics.medians import RAYLEIGH
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS
 from benchtool.analysis.statistics.straight_lines import without_slope
 from benchtool.analysis.validity import clipping, require_signal, require_unbroken
 from benchtool.analysis.window import Window
@@ -189,7 +189,7 @@ def _candidates(bins: Floats) -> NDArray[np.int64]:
     within = math.ceil(reach / size)
     padded = np.pad(third, within, mode="edge")
     lowest: Floats = np.min(np.lib.stride_tricks.sliding_window_view(padded, 2 * within + 1), axis=1)
-    level = STANDS_OUT / RAYLEIGH * _LEAST_RESPONSE
+    level = STANDS_OUT / MEDIAN_OF_RMS * _LEAST_RESPONSE
 
     def at_end() -> NDArray[np.bool_]:
         return (places <= reach) | (places >= len(blocks) * size - reach)

@@ -24,7 +24,7 @@ from benchtool.analysis.quantisation.repeated_steps import error_of_steps, noise
 from benchtool.analysis.quantisation.resolution import level_of
 from benchtool.analysis.quantisation.steps_along import apart_from_noise, lines_of
 from benchtool.analysis.spectral_window import line_at, spectral_window
-from benchtool.analysis.statistics.medians import RAYLEIGH
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -89,7 +89,7 @@ def steps_in_lines(
     whose levels are known.
     """
     size, count = np.abs(bins), len(samples)
-    white = float(np.median(size)) / RAYLEIGH * math.sqrt(count / HANN_POWER)
+    white = float(np.median(size)) / MEDIAN_OF_RMS * math.sqrt(count / HANN_POWER)
     if not step > _LAST_DIGIT * float(np.max(size)) or _is_hidden(noise_beside(white**2, step), step):
         return None
     own = sum_of([each for each in lines if each.amplitude > _LEAST_LINE * step], bins, count)

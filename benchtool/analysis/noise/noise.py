@@ -13,7 +13,7 @@ from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials
 from benchtool.analysis.noise.noise_by_place import repetition_of_bins
 from benchtool.analysis.noise.noise_over_time import ONE_LEVEL, NoiseOverTime, noise_over_time
-from benchtool.analysis.statistics.medians import median, medians
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS, median, medians
 from benchtool.analysis.statistics.scatter import MeanError
 
 _FEWEST_BINS = 8
@@ -28,13 +28,6 @@ _FEWEST_ALIKE = 1.5  # squares that hold the power of noise: of fewer its level 
 _SURE = 1e-2  # relative uncertainty of a power, below which its root has half of it
 _LINE = 10.0  # times the mean square of noise: by chance one bin in twenty thousand
 _LINES_BY_CHANCE = 5e-4
-
-MEDIAN_OF_RMS = math.sqrt(math.log(2.0))
-"""Median of Rayleigh-distributed amplitudes over their rms, 0.8326.
-
-Their distribution is P(A < a) = 1 - exp(-a^2 / rms^2) (Papoulis, Probability, Random Variables, and
-Stochastic Processes, 4th ed., 6.2), which is one half at a = rms sqrt(ln 2).
-"""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-RAYLEIGH = math.sqrt(math.log(2.0))
-"""Median over rms of the amplitude of noise in a bin."""
+MEDIAN_OF_RMS = math.sqrt(math.log(2.0))
+"""Median of Rayleigh-distributed amplitudes over their rms, 0.8326.
+
+Their distribution is P(A < a) = 1 - exp(-a^2 / rms^2) (Papoulis, Probability, Random Variables, and
+Stochastic Processes, 4th ed., 6.2), which is one half at a = rms sqrt(ln 2).
+"""
 
 
 def median(values: NDArray[np.float64]) -> float:

@@ -9,7 +9,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.spectral_window import line_at, spectral_window
-from benchtool.analysis.statistics.medians import RAYLEIGH, median
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS, median
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -54,7 +54,7 @@ def _lines(bins: Complexes, lowest: int) -> list[tuple[int, float]]:
         first, last = peak - _OF_LINE - 1, peak + _OF_LINE + 2
         beside = np.concatenate([size[max(1, first - _BESIDE) : max(1, first)], size[last : last + _BESIDE]])
         if amplitude > 0.0 and len(beside):
-            is_told = math.exp(-2.0 * (math.pi * median(beside) / RAYLEIGH / amplitude) ** 2)
+            is_told = math.exp(-2.0 * (math.pi * median(beside) / MEDIAN_OF_RMS / amplitude) ** 2)
             found.append((peak, 0.5 * (1.0 - is_told * math.cos(2.0 * math.pi * (peak + offset)))))
     return found
 

@@ -15,11 +15,8 @@ from benchtool.analysis import (
     noise_floor,
     track_angle,
 )
-from benchtool.analysis.noise.noise import (
-    MEDIAN_OF_RMS,
-    followed_bins,
-    sidebands,
-)
+from benchtool.analysis.noise.noise import followed_bins, sidebands
+from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS
 from tests.unit.analysis.noise.lines_in_noise import (
     RATE_HZ,
     SIGMA,
