@@ -6,8 +6,8 @@ Printed is for each measurement how often +-u, +-2u and +-U hold the truth and t
 stands for a number that was refused with a reason, `uncounted` for one whose truth the family does not tell,
 and `bound` for errors that are smaller than u because the
 family's sensors are always of one kind among those that the profile allows. Last come the quantiles of that
-rms over all answers. A pass over the families that stand for all takes a quarter of an hour on two cores, one
-over all two hours; a doubtful number is counted again by its family's name with more repetitions and
+rms over all answers. A pass over the families that stand for all takes seven minutes on two cores, one over
+all more than an hour; a doubtful number is counted again by its family's name with more repetitions and
 another seed. Drawn families are others with each seed, and what they are is printed where a number does not
 hold. Exit code 1 if any uncertainty is too small.
 """
@@ -30,7 +30,7 @@ from benchmarks.coverage.families import Score, scores
 from benchmarks.coverage.registry import FAMILIES
 from benchmarks.coverage.representative import REPRESENTATIVE
 
-REPETITIONS = 12
+REPETITIONS = 40
 _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
