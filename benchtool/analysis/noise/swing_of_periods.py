@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 Bools = NDArray[np.bool_]
 Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 _FAR, _FEWEST = 4.0, 24  # medians, of a difference that a step is in; differences
 _SECOND_DIFFERENCES = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0  # correlation of those of white noise
@@ -33,12 +32,11 @@ def without_swing(differences: Complex) -> Complex | None:
     swing = np.concatenate([swing, np.conj(swing)], axis=1)
     size = np.max(np.abs(swing), axis=1)
     is_usual = size < _FAR * float(np.median(size))
-    even, courses, left = is_usual, swing, others
+    even, courses = is_usual, swing
     for _ in range(_ROUNDS):
-        count = int(np.count_nonzero(even))
-        if count < _FEWEST:
+        if np.count_nonzero(even) < _FEWEST:
             return None
-        left = others - courses @ np.linalg.lstsq(courses[even], others[even], rcond=None)[0]
+        left = _without(courses, others, even)
         power = np.mean(np.square(np.abs(left)), axis=1)
         above = power - np.median(power)
         even = is_usual & (above < _UNLIKE * float(np.median(np.abs(above))))
@@ -46,8 +44,13 @@ def without_swing(differences: Complex) -> Complex | None:
         _, sizes, directions = np.linalg.svd(swing[even], full_matrices=False)
         clear = sizes > _CLEARLY * noise * math.sqrt(np.count_nonzero(even))
         courses = swing @ np.conj(directions[clear]).T
-    left = others - courses @ np.linalg.lstsq(courses[even], others[even], rcond=None)[0]
-    return np.asarray(left / math.sqrt(_share_of_noise(courses, even)))
+    return _without(courses, others, even) / math.sqrt(_share_of_noise(courses, even))
+
+
+def _without(courses: Complex, others: Complex, even: Bools) -> Complex:
+    """Return differences, shape (n, orders), without the multiples of `courses`, shape (n, columns), that fit
+    the `even` ones."""
+    return np.asarray(others - courses @ np.linalg.lstsq(courses[even], others[even], rcond=None)[0])
 
 
 def _share_of_noise(courses: Complex, even: Bools) -> float:

@@ -196,10 +196,10 @@ class _Followed:
     def has_sidebands(self) -> bool:
         """Whether lines stand out to both sides of the fundamental, as far from it: its load swings."""
         periods, square = self.transformable.periods, self._squares[1]
-        apart = np.arange(_OF_DC, periods - _OF_DC)
-        if not len(apart) or 2 * periods > len(square):
+        distance = np.arange(_OF_DC, periods - _OF_DC)
+        if not len(distance) or 2 * periods > len(square):
             return False
-        lower, upper = square[periods - apart], square[periods + apart]
+        lower, upper = square[periods - distance], square[periods + distance]
         noise = 0.5 * _as_noise(np.append(lower, upper))
         both = float(np.sum(np.minimum(lower, upper)))
         return both > max(_FAR_OFF_LINE * noise, _ON_BOTH_SIDES * float(np.sum(lower + upper)))
