@@ -34,12 +34,12 @@ def without_swing(differences: Complex) -> Complex | None:
     is_usual = size < _FAR * float(np.median(size))
     even, courses = is_usual, swing
     for _ in range(_ROUNDS):
-        if np.count_nonzero(even) < _FEWEST:
-            return None
         left = _without(courses, others, even)
         power = np.mean(np.square(np.abs(left)), axis=1)
         above = power - np.median(power)
         even = is_usual & (above < _UNLIKE * float(np.median(np.abs(above))))
+        if np.count_nonzero(even) < _FEWEST:
+            return None
         noise = math.sqrt(float(np.mean(np.square(np.abs(left[even, :_BESIDE])))))
         _, sizes, directions = np.linalg.svd(swing[even], full_matrices=False)
         clear = sizes > _CLEARLY * noise * math.sqrt(np.count_nonzero(even))
