@@ -34,7 +34,6 @@ _OF_FEW = (6, 8)  # where those are not told
 FEWEST_FORESEEN = 23
 """Periods of which the fewest phases foresee the next one."""
 _IS_NO_NOISE = 9.0  # times the mean square by which the next phase is missed
-_OF_WEIGHTS = 1.5  # of a harmonic, in means of which the swing is taken back
 _HIGHEST = 25
 _SLOWLY, _OFF_TRACK = 24, 0.01  # halves of a period; cycles in a period, by which harmonics leave their zeros
 
@@ -86,13 +85,24 @@ class QuickSwing:
         return _beyond(phase_rad, 0.5 * _FASTEST) * _beyond(size, 0.5 * _FASTEST)
 
     def _of_harmonics(self, phase_rad: Floats) -> float:
-        """Return what harmonics that swing with the fundamental leave in the difference of two phases, rad:
-        of harmonic k, which swings k times as far, a mean over a period keeps up to 1 / (pi (k - 1))."""
+        """Return what harmonics that swing with the fundamental leave in the difference of two phases, rad.
+
+        Of harmonic k, which swings k times as far, by f cycles in a period, a mean over that keeps
+        sin(pi f) / (pi (k - 1)), and of its conjugate that by k + 1: half of what it changes by from period
+        to period. Of odd harmonics means half a period apart keep it alike, so that at both ends it cancels
+        as far as these changes are the same; of even ones its sign alternates, at one cycle in a period.
+        """
         order = np.arange(2, min(_HIGHEST, len(self.harmonics)) + 1)
         size = np.abs(self.phasor) / float(np.mean(np.abs(self.phasor)))
-        swing = np.std(size[:, np.newaxis] * np.exp(1j * np.outer(phase_rad, order)), axis=0)
-        left = self.harmonics[order - 1] / self.harmonics[0] * swing / (np.pi * (order - 1.0))
-        return _OF_WEIGHTS * float(np.linalg.norm(left))
+        swing = size[:, np.newaxis] * np.exp(1j * np.outer(phase_rad, order))
+        changes = 0.5 * (swing[2:] - swing[:-2])
+        both2 = 2.0 * np.mean(np.abs(changes) ** 2, axis=0)
+        both2 = np.maximum(both2, np.abs(changes[-1] - changes[0]) ** 2)
+        alternating = np.exp(1j * np.pi * np.arange(2 * _TAPS + 1))
+        gain = np.where(order % 2, 1.0, np.linalg.norm([alternating @ each for each in _weights()]))
+        kept = np.hypot(1.0 / (order - 1.0), 1.0 / (order + 1.0)) / np.pi
+        left = gain * kept * self.harmonics[order - 1] / self.harmonics[0]
+        return float(np.linalg.norm(left * np.sqrt(0.5 * both2)))
 
 
 def _beyond(values: Floats, cycles: float) -> float:
@@ -144,7 +154,7 @@ def _weights() -> tuple[Complex, Complex]:
     both of shape (2 `_TAPS` + 1,).
 
     Of means H (z + q(f) z*), H = sinc(f) and q = f / (f - 2), z is (means - q(f) means*) / H / (1 - q(f)
-    q(-f)).
+    q(-f)). A speed that swings turns the phase the further the slower it does: errors count by 1 / f.
     """
     cycles = np.linspace(-_FASTEST, _FASTEST, _FREQUENCIES)
     places = 0.5 * np.arange(-_TAPS, _TAPS + 1)
@@ -152,5 +162,6 @@ def _weights() -> tuple[Complex, Complex]:
     image = cycles / (cycles - 2.0)
     own = 1.0 / (np.sinc(cycles) * (1.0 - image * image[::-1]))
     sought = np.stack([own, -image * own], axis=1).astype(np.complex128)
-    found = np.linalg.lstsq(basis, sought, rcond=1e-9)[0]
+    of_speeds = 1.0 / (np.abs(cycles) + cycles[1] - cycles[0])[:, np.newaxis]
+    found = np.linalg.lstsq(of_speeds * basis, of_speeds * sought, rcond=1e-9)[0]
     return np.asarray(found[:, 0]), np.asarray(found[:, 1])

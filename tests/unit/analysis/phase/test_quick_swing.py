@@ -146,6 +146,41 @@ def test_the_phase_within_periods_counts_where_it_is_surer() -> None:
     assert swing.turned(track, 0.5, 0.6) is None
 
 
+def drifting(start_rad: float, harmonic: int, amplitude: float) -> tuple[Floats, Floats]:
+    """Return a current of 100.3 periods whose speed drifts by 0.5 %, with a harmonic, and its phase."""
+    turned = np.linspace(0.0, 1.0, COUNT)
+    phase_rad = np.asarray(2.0 * np.pi * 100.3 * (turned + 0.0025 * (turned**2 - turned)) + start_rad)
+    return np.cos(phase_rad) + amplitude * np.cos(harmonic * phase_rad + 1.3), phase_rad
+
+
+def test_a_slow_drift_leaves_no_image_at_the_ends() -> None:
+    """Weights that were as wrong at no swing as at the fastest left 0.5 mrad of it."""
+    for start_rad in (0.3, 0.9, 1.7):
+        current, phase_rad = drifting(start_rad, 5, 0.0)
+        track = track_tone(current)
+        swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, ALONE)
+        assert swing is not None
+        off_rad = np.unwrap(np.angle(swing.phasor)) + track.at(swing.rows)
+        off_rad -= np.interp(swing.rows, np.arange(COUNT), phase_rad)
+        assert np.ptp(off_rad) < 1e-4
+
+
+@pytest.mark.parametrize(("harmonic", "least"), [(2, 0.25), (5, 0.7)])
+def test_what_harmonics_leave_of_a_drift_is_in_the_uncertainty(harmonic: int, least: float) -> None:
+    """It was stated as of a swing within a period: four times too large."""
+    relative = []
+    for start_rad in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False):
+        current, phase_rad = drifting(start_rad, harmonic, 0.03)
+        track = track_tone(current)
+        harmonics = np.array([1.0, *np.zeros(harmonic - 2), 0.03])
+        swing = quick_swing(coherent_samples(current, RATE_HZ, track, every=True), track, harmonics)
+        assert swing is not None
+        turned = swing.turned(track, 1.0, 0.0)
+        assert turned is not None
+        relative.append((turned.phase_rad - float(phase_rad[-1] - phase_rad[0])) / turned.standard)
+    assert least < math.sqrt(float(np.mean(np.square(relative)))) < 1.4
+
+
 @pytest.mark.parametrize("periods", [24.3, 30.3])
 def test_a_drift_over_few_periods_is_no_swing(periods: float) -> None:
     """Of 6 % the frequency leaves that of the track most at both ends, where the phase within periods would
