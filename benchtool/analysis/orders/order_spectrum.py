@@ -33,6 +33,7 @@ from benchtool.analysis.orders.order_courses import of_levels, without_courses
 from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
+from benchtool.analysis.quantisation.counted_speed import relative_to_rounding
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.spectra.modulation import PeriodsInTime
@@ -123,13 +124,19 @@ class OrderSpectrum:
 class Revolutions:
     """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The angle is off `track` by `wobble`, or the speed is one that was `stated` and not measured.
+    The angle that was `read`, rad, shape (rows,), is off `track` by `wobble`, or the speed is one that was
+    stated and not measured.
     """
 
     track: PhaseTrack
     wobble: Wobble
     samples: Mapping[str, CoherentSamples]
-    stated: bool = False
+    read_rad: NDArray[np.float64] | None = None
+
+    @property
+    def stated(self) -> bool:
+        """Whether the speed was stated."""
+        return self.read_rad is None
 
 
 def angle_of(block: Block, angle: str = "theta_m") -> NDArray[np.float64]:
@@ -171,15 +178,14 @@ def revolutions_of(
     rows = np.arange(track.samples, dtype=np.float64)
     forwards_rad = theta_m if theta_m[-1] > theta_m[0] else -theta_m
     repeated_rad = repeated_wobble_rad(forwards_rad, forwards_rad - track.at(rows))
-    return _along(block, channels, track, Wobble(rms_rad, repeated_rad))
+    along = _along(block, channels, track, Wobble(rms_rad, repeated_rad))
+    return replace(along, read_rad=np.ascontiguousarray(block.column(angle)))
 
 
-def _along(
-    block: Block, channels: Iterable[str], track: PhaseTrack, wobble: Wobble, *, stated: bool = False
-) -> Revolutions:
+def _along(block: Block, channels: Iterable[str], track: PhaseTrack, wobble: Wobble) -> Revolutions:
     columns = {name: np.ascontiguousarray(block.column(name)) for name in channels}
     samples = coherent_samples_of_all(columns, block.sample_rate_Hz, track)
-    return Revolutions(track, wobble, dict(zip(columns, samples, strict=True)), stated)
+    return Revolutions(track, wobble, dict(zip(columns, samples, strict=True)))
 
 
 def resampled_orders(
@@ -233,7 +239,7 @@ def orders_at_speed(block: Block, channel: str, omega_m_rad_s: float) -> OrderSp
     track = PhaseTrack(Polynomial([0.0, omega]), len(block.data), source)
     # an even deviation from end to end, rms
     off_rad = speed.standard_rad_s * len(block.data) / block.sample_rate_Hz / math.sqrt(12.0)
-    return _orders_on(block, channel, _along(block, (channel,), track, Wobble(off_rad), stated=True))
+    return _orders_on(block, channel, _along(block, (channel,), track, Wobble(off_rad)))
 
 
 def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
@@ -250,6 +256,9 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     step = counting_step(samples)
     steps = converter_steps(spectrum, step, level=level_of(samples, step))
     by_steps = repeated_quantisation(spectrum, steps)[0][:count]
+    if along.read_rad is not None and block.unit(channel) == "rad/s":
+        cycles = orders * turns / spectrum.samples
+        by_steps *= relative_to_rounding(step, along.read_rad, block.sample_rate_Hz, cycles)
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [

@@ -19,6 +19,9 @@ from benchtool.analysis.quantisation.counted_line import least_spread
 Floats = NDArray[np.float64]
 
 _WHOLE = 0.01  # of a count
+_LOOKED_AT = 4096  # angles
+_ROWS = tuple(range(16, 0, -1))  # over which a difference is taken; of a half of a count all are whole, too
+_ARE_WHOLE = 0.9  # of one, which is the length of the mean of directions that are all the same
 _OFF = 1.5  # counts by which a counter is off a line, one by itself and the rest by a shaft that shakes
 _MOST = 0.55  # counts: half of one, and a tenth more
 _BY_CHANCE = 0.6  # of the deviation of a sum: one in 10^5 wanders by no more (Kuiper's distribution)
@@ -35,6 +38,19 @@ def covariance_of_counts(step: float) -> Floats:
     """Return the autocovariance of readings about the speed, at lags 0 and 1: that of a difference of two
     positions, each anywhere within its count."""
     return step**2 * np.array([1.0 / 6.0, -1.0 / 12.0])
+
+
+def relative_to_rounding(step: float, angle_rad: Floats, rate_Hz: float, cycles: Floats) -> Floats:
+    """Return the error at frequencies in cycles in a row, shape (orders,), relative to that of readings which
+    are rounded to `step` each by itself, where they are what an angle, shape (n,), has come over m rows: 2
+    |sin(pi m f)|; one where they are not. The angle then is a whole number of counts of m step / rate.
+    """
+    few = angle_rad[:: max(1, len(angle_rad) // _LOOKED_AT)]
+    for rows in _ROWS if step > 0.0 else ():
+        counts = few * (rate_Hz / (rows * step))
+        if abs(np.mean(np.exp(2j * np.pi * counts))) > _ARE_WHOLE:
+            return np.asarray(2.0 * np.abs(np.sin(np.pi * rows * cycles)))
+    return np.ones(len(cycles))
 
 
 def most_of_counts(step: float) -> float:

@@ -17,6 +17,7 @@ _SUBNORMAL = float(np.finfo(np.float64).tiny) / 1e-10  # smaller steps have no d
 _FIRST = 16  # values or steps, which mostly tell of all
 _FEWEST_VALUES, _ROUNDING = 6, 1e-10  # of the greatest value
 _OF_DOUBLES = 1e-13  # of the greatest value: what a few sums and products round by
+_OF_SUMS, _NONE_BETWEEN = 1e-8, 1e4  # of the greatest value: what any of them do; times as much
 _ROUNDING_32, _ABOVE_ROUNDING = 4e-7, 100.0  # of numbers of 32 bits; what is less than so many is rounding
 _MOST_PLACES, _OF_A_DIGIT, _LEAST_OF_TEXT = 10, 1e-4, 1e-280
 _NEAR, _PART_OF_STEP = 4.5, 0.1  # differences of few steps; by how much of one they are rounded
@@ -67,13 +68,13 @@ def _few(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=_KEPT)
 def _resolution(samples: bytes) -> float:
-    return _step_of(np.unique(np.frombuffer(samples)))
+    return _step_of(_but_for_rounding(np.unique(np.frombuffer(samples))))
 
 
 @lru_cache(maxsize=_KEPT)
 def _counting_step(samples: bytes) -> float:
     few = np.frombuffer(samples)
-    values = _but_for_rounding(np.unique(few))
+    values = _but_for_rounding(np.unique(few), _OF_DOUBLES)
     if len(values) < 2:
         return 0.0
     step, span = _step_of(values), float(values[-1] - values[0])
@@ -81,12 +82,20 @@ def _counting_step(samples: bytes) -> float:
     return step if step > max(least, _SUBNORMAL) else 0.0
 
 
-def _but_for_rounding(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return rising values, shape (n,), of which none differs from the one before by rounding alone."""
-    if not len(values):
+def _but_for_rounding(values: NDArray[np.float64], of_digits: float = 0.0) -> NDArray[np.float64]:
+    """Return rising values, shape (n,), of which none differs from the one before by rounding alone: by
+    `of_digits` of the greatest, or by more where several do and no step is between these and the others.
+
+    Sums and products of large numbers, such as the speed that an angle of many turns makes from row to row,
+    round by more than the values' own digits.
+    """
+    if len(values) < 2:
         return values
-    rounding = _OF_DOUBLES * float(np.max(np.abs(values)))
-    return values[np.diff(values, prepend=-np.inf) > rounding]
+    steps, largest = np.diff(values), float(np.max(np.abs(values)))
+    sizes = np.sort(steps)[_FEWEST_VALUES - 1 :]
+    last = np.flatnonzero((sizes[1:] > _NONE_BETWEEN * sizes[:-1]) & (sizes[:-1] < _OF_SUMS * largest))
+    rounding = max(of_digits * largest, float(sizes[last[-1]]) if len(last) else 0.0)
+    return np.asarray(values[np.append(True, steps > rounding)])
 
 
 def _step_of(values: NDArray[np.float64]) -> float:

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.quantisation.counted_speed import covariance_of_counts, is_counted, most_of_counts
+from benchtool.analysis.quantisation.counted_speed import (
+    covariance_of_counts,
+    is_counted,
+    most_of_counts,
+    relative_to_rounding,
+)
 
 STEP = 0.25
 
@@ -55,3 +60,26 @@ def test_what_counts_are_off_adds_up_to_no_more_than_that_of_one() -> None:
     assert np.mean(off**2) == pytest.approx(at_zero, rel=0.1)
     assert np.mean(off[:, 1:] * off[:, :-1]) == pytest.approx(behind, rel=0.15)
     assert np.max(np.std(off, axis=1)) <= most_of_counts(STEP)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5])
+def test_what_one_reading_has_too_much_the_next_has_too_little(rows: int) -> None:
+    """Errors of a difference over some rows, at each frequency against those of a converter of its steps."""
+    random, rate_Hz, count_rad = np.random.default_rng(5), 1000.0, 2.0 * np.pi / 4096
+    angle_rad = np.floor(np.cumsum(random.uniform(3.0, 9.0, 60_000))) * count_rad
+    exact_rad = angle_rad + count_rad * random.uniform(0.0, 1.0, len(angle_rad))
+    step = count_rad * rate_Hz / rows
+    errors = (rate_Hz / rows) * ((angle_rad - exact_rad)[rows:] - (angle_rad - exact_rad)[:-rows])
+    power = np.abs(np.fft.rfft(errors)) ** 2 / len(errors)
+    bands = np.array_split(np.arange(len(power)), 12)
+    cycles = np.asarray(np.fft.rfftfreq(len(errors)), dtype=np.float64)
+    relative = relative_to_rounding(step, angle_rad, rate_Hz, cycles)
+    for band in bands:
+        rms = np.sqrt(np.mean(power[band]) / (step**2 / 12.0))
+        assert rms == pytest.approx(np.sqrt(np.mean(relative[band] ** 2)), rel=0.1)
+
+
+def test_readings_beside_an_angle_that_is_not_theirs_are_rounded_each_by_itself() -> None:
+    angle_rad = np.cumsum(np.random.default_rng(6).uniform(0.0, 0.01, 5000))
+    for step in (0.0, 0.2):
+        assert np.all(relative_to_rounding(step, angle_rad, 1000.0, np.linspace(0.0, 0.5, 5)) == 1.0)

@@ -115,3 +115,22 @@ def test_an_encoder_that_passes_whole_counts_in_every_row_is_told(is_32_bit: boo
 def test_a_distance_that_rounds_by_more_than_a_step_is_no_number_of_them() -> None:
     for least in (2.225073858507203e-309, 1e-200, 1e-20):
         assert resolution(np.array([0.0, 1.0, least])) == least
+
+
+@pytest.mark.parametrize("turns", [10.0, 3000.0])
+def test_a_speed_that_was_computed_of_counts_has_their_step(turns: float) -> None:
+    """Its values are whole numbers of it but for the rounding of the angle, which was taken for the step."""
+    count_rad, rate_Hz = 2.0 * math.pi / 65_536, 5000.0
+    place = turns * 65_536 * np.linspace(0.0, 1.0, 20_000)
+    place += 2.0 * np.sin(np.linspace(0.0, 400.0, len(place)))
+    speed = np.gradient(np.floor(place) * count_rad) * rate_Hz
+    assert len(np.unique(speed)) >= 30
+    for found in (resolution(speed), counting_step(speed)):
+        assert found == pytest.approx(0.5 * count_rad * rate_Hz, rel=1e-6)
+
+
+def test_values_anywhere_differ_by_no_rounding() -> None:
+    """Between the least step of many and the others are others of any size."""
+    samples = np.random.default_rng(2).standard_normal(20_000)
+    assert resolution(samples) == 0.0
+    assert counting_step(samples) == 0.0
