@@ -103,12 +103,14 @@ def _step_of(values: NDArray[np.float64]) -> float:
     steps = np.diff(values)
     if not len(steps):
         return 0.0
-    step = float(np.min(steps))
+    step, so_far = float(np.min(steps)), 0.0
     near = steps[steps < _NEAR * step] / step
     if len(values) < _FEWEST_VALUES or (
         len(near) >= _FEWEST_VALUES and float(np.max(np.abs(near - np.round(near)))) < _PART_OF_STEP
     ):
-        return _over_distances(values, step)
+        so_far, of_all = _over_distances(values, step)
+        if of_all or len(values) < _FEWEST_VALUES:
+            return so_far
     if (of_decimals := _decimal_step(values)) > 0.0:
         return of_decimals
     largest = float(np.max(np.abs(values)))
@@ -116,16 +118,19 @@ def _step_of(values: NDArray[np.float64]) -> float:
         divisor = _divisor(steps, rounding * largest, max(_ABOVE_ROUNDING * rounding * largest, _SUBNORMAL))
         if divisor > 0.0:
             return min(divisor, step)
+    if so_far > 0.0:
+        return so_far
     with np.errstate(over="ignore", under="ignore"):
         is_32_bit = np.array_equal(values, values.astype(np.float32).astype(np.float64))
     return float(np.spacing(np.float32(largest))) if is_32_bit else 0.0
 
 
-def _over_distances(values: NDArray[np.float64], step: float) -> float:
+def _over_distances(values: NDArray[np.float64], step: float) -> tuple[float, bool]:
     """Return a step of rising values, shape (n,), as the slope of these over their number of steps: the
     longer the distance, the less their rounding matters, as that of an angle in 32 bits to its counts.
 
-    Where values are not whole numbers of it apart farther away, it is the step so far.
+    Where values are not whole numbers of it apart farther away, it is the step so far: whether all are is
+    returned with it.
     """
     spans = values - values[0]
     spans = spans[spans < _MOST_STEPS * step] / step
@@ -134,11 +139,11 @@ def _over_distances(values: NDArray[np.float64], step: float) -> float:
         within = spans[: int(np.searchsorted(spans, reach, side="right"))] / slope
         number = np.round(within)
         if float(np.max(np.abs(within - number))) > _PART_OF_STEP:
-            return step * slope
+            return step * slope, False
         if np.any(number):  # of few values none is so near
             slope *= float(number @ within) / float(number @ number)
         if reach >= spans[-1]:
-            return step * slope
+            return step * slope, True
         reach *= _NEAR
 
 

@@ -134,3 +134,11 @@ def test_values_anywhere_differ_by_no_rounding() -> None:
     samples = np.random.default_rng(2).standard_normal(20_000)
     assert resolution(samples) == 0.0
     assert counting_step(samples) == 0.0
+
+
+def test_rows_that_keep_step_with_an_encoder_hide_no_count() -> None:
+    """Places 128 to 134 counts apart are nearly whole steps of 128 to the next few, and farther away not."""
+    count_rad = 2.0 * math.pi / 65_536
+    turned = np.arange(5000) / 500.0
+    place = np.floor(65_536 * (turned + 0.02 / 6.0 / (2.0 * math.pi) * np.sin(12.0 * math.pi * turned) + 0.1))
+    assert counting_step(np.mod(place, 65_536.0) * count_rad) == pytest.approx(count_rad, rel=1e-6)
