@@ -207,9 +207,6 @@ SPEEDS: Mapping[str, Speed] = {
     "speed_order_by_coarse_differences": replace(
         _SPEED, shaft=replace(_SHAFT, counts=2048, revolutions=30.3), ticks=16, noise=0.0
     ),
-    "speed_order_by_differences_in_step": replace(
-        _SPEED, shaft=replace(_SHAFT, counts=65_536, speed_rad_s=20.0 * math.pi), ticks=2, noise=0.0
-    ),
     "speed_order_two_regimes": replace(_SPEED, second_regime=2.0),
     "speed_order_backwards": replace(_SPEED, shaft=replace(_SHAFT, backwards=True)),
 }  # fmt: skip

@@ -257,8 +257,8 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     steps = converter_steps(spectrum, step, level=level_of(samples, step))
     by_steps = repeated_quantisation(spectrum, steps)[0][:count]
     if along.read_rad is not None and block.unit(channel) == "rad/s":
-        cycles = orders * turns / spectrum.samples
-        by_steps *= relative_to_rounding(step, along.read_rad, block.sample_rate_Hz, cycles)
+        per_turn = spectrum.samples / turns
+        by_steps *= relative_to_rounding(step, along.read_rad, block.sample_rate_Hz, per_turn, orders)
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [

@@ -19,7 +19,7 @@ from benchtool.analysis.quantisation.counted_line import least_spread
 Floats = NDArray[np.float64]
 
 _WHOLE = 0.01  # of a count
-_LOOKED_AT = 4096  # angles
+_LOOKED_AT, _HARMONICS = 4096, 30  # angles; of a rounding, beyond which it has 2 % of its power
 _ROWS = tuple(range(16, 0, -1))  # over which a difference is taken; of a half of a count all are whole, too
 _ARE_WHOLE = 0.9  # of one, which is the length of the mean of directions that are all the same
 _OFF = 1.5  # counts by which a counter is off a line, one by itself and the rest by a shaft that shakes
@@ -40,17 +40,33 @@ def covariance_of_counts(step: float) -> Floats:
     return step**2 * np.array([1.0 / 6.0, -1.0 / 12.0])
 
 
-def relative_to_rounding(step: float, angle_rad: Floats, rate_Hz: float, cycles: Floats) -> Floats:
-    """Return the error at frequencies in cycles in a row, shape (orders,), relative to that of readings which
-    are rounded to `step` each by itself, where they are what an angle, shape (n,), has come over m rows: 2
-    |sin(pi m f)|; one where they are not. The angle then is a whole number of counts of m step / rate.
+def relative_to_rounding(
+    step: float, angle_rad: Floats, rate_Hz: float, rows_per_turn: float, orders: NDArray[np.int64]
+) -> Floats:
+    """Return the error that repeats in every revolution, at orders of it, shape (orders,), relative to that
+    of readings which are rounded to `step` each by itself, where they are what an angle, shape (n,), has come
+    over m rows: 2 |sin(pi m f)|, f the cycles in a row; one where they are not.
+
+    The angle then is a whole number of counts of m step / rate. What of its rounding repeats in no revolution
+    is noise beside the orders.
     """
     few = angle_rad[:: max(1, len(angle_rad) // _LOOKED_AT)]
     for rows in _ROWS if step > 0.0 else ():
-        counts = few * (rate_Hz / (rows * step))
-        if abs(np.mean(np.exp(2j * np.pi * counts))) > _ARE_WHOLE:
-            return np.asarray(2.0 * np.abs(np.sin(np.pi * rows * cycles)))
-    return np.ones(len(cycles))
+        count_rad = rows * step / rate_Hz
+        if abs(np.mean(np.exp(2j * np.pi * few / count_rad))) > _ARE_WHOLE:
+            turns = max(2, round(len(angle_rad) / rows_per_turn))
+            repeats = math.sqrt(_repeating(2.0 * math.pi / count_rad, rows_per_turn, turns))
+            return np.asarray(repeats * 2.0 * np.abs(np.sin(np.pi * rows * orders / rows_per_turn)))
+    return np.ones(len(orders))
+
+
+def _repeating(counts: float, rows_per_turn: float, turns: int) -> float:
+    """Return the share of the power of a rounding to so many counts in a revolution that repeats in all
+    turns: that of the harmonics of its Fourier series which rows fold to whole orders."""
+    number = np.arange(1, _HARMONICS + 1)
+    folded = rows_per_turn * np.round(number * counts / rows_per_turn)
+    share = np.sinc(turns * (folded - np.round(folded))) ** 2
+    return float(np.sum(share / number**2) / np.sum(1.0 / number**2))
 
 
 def most_of_counts(step: float) -> float:

@@ -369,3 +369,22 @@ def test_counts_that_keep_step_with_the_rows_fold_no_order_of_a_recording_with_g
     (order,) = (each for each in found.measurements if each.name == "torque_order_24")
     assert order.uncertainty is not None
     assert abs(order.value - 0.05) < 3.0 * order.uncertainty.standard < 2e-4
+
+
+def test_counts_of_a_speed_that_keep_step_with_the_rows_are_in_the_uncertainty() -> None:
+    """A host made the speed of the angle, 500 rows to a revolution: order 6 was seven uncertainties off."""
+    rate_Hz, turn_rate_rad_s, count_rad, relative = 5000.0, 20.0 * math.pi, TURN / 65_536, []
+    time_s = np.arange(5000) / rate_Hz
+    for seed in range(12):
+        theta = turn_rate_rad_s * time_s + np.random.default_rng(seed).uniform(0.0, TURN)
+        theta += 0.02 / 6.0 * np.sin(6.0 * turn_rate_rad_s * time_s)
+        read = np.floor(theta / count_rad) * count_rad
+        omega = np.gradient(read) * rate_Hz
+        units = {"theta_m": "rad", "omega_m": "rad/s"}
+        block = Block.from_arrays(rate_Hz, units, theta_m=np.mod(read, TURN), omega_m=omega)
+        found = order_analysis(block, "omega_m", "speed", pole_pairs=4, orders=(6,)).measurements
+        order = next(each for each in found if each.name == "speed_order_6")
+        truth = 0.02 * turn_rate_rad_s * np.sinc(6.0 * 2.0 / 500.0)
+        assert order.uncertainty is not None
+        relative.append((order.value - truth) / order.uncertainty.standard)
+    assert 0.5 < math.sqrt(float(np.mean(np.square(relative)))) < 1.4
