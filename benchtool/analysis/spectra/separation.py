@@ -253,9 +253,11 @@ class Separation:
 def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, step: float) -> Separation:
     """Return a current taken apart, of samples, shape (rows,), in steps of `step`, along a track.
 
-    Lines near the fundamental pull at the fit of its frequency, which is made again without them. What was
-    followed meanwhile is then no course of the phase if it stays on the track without that, and far more is
-    not left between the harmonics.
+    Lines near the fundamental pull at the fit of its frequency, which is made again without them, and so are
+    they: a line is as wrong as the phase along which it was fitted, and what is left of it pulls again. Such
+    rounds tend to the least squares of all together (RELAX: Li and Stoica, IEEE Trans. Signal Processing 44
+    (1996) 281). What was followed meanwhile is then no course of the phase if it stays on the track without
+    that, and far more is not left between the harmonics.
 
     Raises:
         AnalysisError: fewer than two electrical periods, or a fundamental beyond the band.
@@ -264,8 +266,8 @@ def separate(samples: Floats, rate_Hz: float, track: PhaseTrack, channel: str, s
     if track.residual_rad is not None:
         return found
     for number in range(_ROUNDS):
-        moved = again.close.turned_rad > 0.0 or not number if again.by_signal else again.pulls
-        if again.taken is None or not moved:
+        # what is far off pulls at a fit under a window once, by what it leaks
+        if again.taken is None or not (again.pulls or (again.by_signal and not number)):
             break
         try:
             without_lines = track_tone(again.rest, channel)

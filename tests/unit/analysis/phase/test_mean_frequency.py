@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from benchtool.analysis import current_spectrum, track_angle
+from benchtool.analysis import current_spectrum, track_angle, track_tone
 from benchtool.analysis.phase.turned_angle import turned_by_angle
 from benchtool.analysis.phase.turned_phase import Turned
 from benchtool.analysis.phase.wander import Wander
+from benchtool.analysis.spectra.separation import separate
 from benchtool.analysis.uncertainty import Contribution
 from benchtool.block import Block
 
@@ -175,3 +176,19 @@ def test_the_phases_of_periods_do_not_tell_what_the_rotor_does_within(swing_Hz: 
     moved = (both.phase_rad - by_angle.phase_rad) / by_angle.standard
     assert (moved > 0.9) is is_seen
     assert (moved < 0.2) is not is_seen
+
+
+@pytest.mark.parametrize("noise", [1e-3, 3e-3])
+def test_a_line_two_bins_beside_does_not_pull_at_the_frequency(noise: float) -> None:
+    """The hum of the mains, beside a fundamental near it: the noise of a fit under a Hann window is left."""
+    random, rows, ratios = np.random.default_rng(5), 6000, []
+    t = np.arange(rows) / RATE_HZ
+    of_fit_Hz = 7.38 * noise * math.sqrt(2.0 / rows) / (2 * np.pi * rows / RATE_HZ)
+    for _ in range(16):
+        f_Hz = 50.0 + random.choice([-1.0, 1.0]) * random.uniform(2.7, 3.7)
+        theta = 2 * np.pi * (f_Hz * t + random.uniform())
+        hum = 0.01 * np.cos(2 * np.pi * (50.0 * t + random.uniform()))
+        current = np.cos(theta) + 0.03 * np.cos(5 * theta) + hum + noise * random.standard_normal(rows)
+        track = separate(current, RATE_HZ, track_tone(current, "i_a"), "i_a", 0.0).track
+        ratios.append((track.periods * RATE_HZ / (rows - 1) - f_Hz) / of_fit_Hz)
+    assert math.sqrt(float(np.mean(np.square(ratios)))) < 1.4
