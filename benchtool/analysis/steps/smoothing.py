@@ -84,7 +84,7 @@ class Noise:
             return cls(np.zeros(1))
         covariance, piece = max(found, key=lambda each: len(each[1]))
         noisiest, shorter = max(found, key=lambda each: float(each[0][0]))
-        if _is_noisier(noisiest, len(shorter), covariance, len(piece)):
+        if is_noisier(noisiest, len(shorter), covariance, len(piece)):
             covariance, piece = noisiest, shorter
             return cls(covariance, _offset(covariance, piece), _innovations(covariance, piece))
         together = _together(found)
@@ -369,7 +369,7 @@ def _parabola(half: int) -> Floats:
     return weights / ((2.0 * half - 1.0) * (2.0 * half + 1.0) * (2.0 * half + 3.0))
 
 
-def _is_noisier(covariance: Floats, count: int, other: Floats, other_count: int) -> bool:
+def is_noisier(covariance: Floats, count: int, other: Floats, other_count: int) -> bool:
     """Return whether a piece of so many samples has more noise than another by more than chance: the variance
     of each scatters as a mean of squares of correlated samples does."""
     scatter = math.hypot(Noise(covariance).of_mean_square(count), Noise(other).of_mean_square(other_count))

@@ -22,6 +22,7 @@ from benchtool.analysis.steps.plateau_noise import noise_of_plateau
 from benchtool.analysis.steps.row_times import Repeats, even_hold, scatter_of_times
 from benchtool.analysis.steps.slopes import without_drift
 from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.tails import without_course
 from benchtool.analysis.steps.treads import HELD, answered_tread, long_tread
 from benchtool.analysis.uncertainty import Uncertainty
 from benchtool.analysis.validity import require_finite, require_signal, require_unbroken
@@ -106,8 +107,11 @@ class Step:
 
     @cached_property
     def y_noise(self) -> Noise:
-        """Noise at rest, before the step and in the last rows; a drift that both have is none."""
-        return self.noise_of(*without_drift(self.y_before[: self.begin], self.y_clear[-self.tail :]))
+        """Noise at rest, before the step and in the last rows; a drift that both have is none, nor an answer
+        that is still on its way."""
+        before = self.y_before[: self.begin]
+        last = without_course(self.y_clear, self.tail, before)
+        return self.noise_of(*without_drift(before, last))
 
     @cached_property
     def time_scatter(self) -> float:

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.smoothing import Noise, is_noisier
 
 Floats = NDArray[np.float64]
 
@@ -16,8 +17,11 @@ LITTLE = 0.1
 """Of the noise: a tail of which less is left is not seen in it."""
 
 _FEWEST = 20  # samples that a tail shows in
+_PIECES = 4  # the last and those before it
 _CERTAIN = 5.0  # standard uncertainties of a tail in samples at rest, of which more are slow
 _ALIKE = 2.5  # times as far as it was on its way there, at most, or as little
+_DEGREES = 4  # of a course in a tenth of a record, which is little of a turn
+_DIES_AWAY = 1.0 / 3.0  # of the mean square bend of earlier samples
 _HALVES = np.geomspace(0.5, 2.0, 9)  # times as many rows as it halved in on its way
 
 
@@ -58,6 +62,30 @@ class Tail:
         if not _CERTAIN * standard < abs(size) or not 1.0 / _ALIKE < size / expected < _ALIKE:
             return None
         return course
+
+
+def without_course(samples: Floats, count: int, before: Floats) -> Floats:
+    """Return the last `count` samples, of shape (n,), about their level without the course of an answer that
+    is still on its way in them: it is no noise.
+
+    An answer has a course where its polynomial of fourth degree bends by more than the noise of the samples
+    `before` the step makes it, in either of its three coefficients beyond a line, and dies away: earlier
+    pieces as long bend more, as they do not of a ripple that stays. What is about that polynomial is the
+    noise, for the degrees of freedom that are left, unless that is more than before the step.
+    """
+    last, noise = samples[-count:], Noise.of(before)
+    if count < _FEWEST or len(before) < count or len(samples) < _PIECES * count or not noise.rms > 0.0:
+        return last
+    basis, _ = np.linalg.qr(legendre.legvander(np.linspace(-1.0, 1.0, count), _DEGREES))
+    sizes = samples[-_PIECES * count :].reshape(_PIECES, count)[::-1] @ basis
+    bends = sizes[:, 2:]
+    by_noise = np.array([noise.of_sum(each) for each in basis.T[2:]])
+    now, *earlier = np.sum(bends**2, axis=1)
+    if not (np.any(np.abs(bends[0]) > _CERTAIN * by_noise) and now < _DIES_AWAY * np.mean(earlier)):
+        return last
+    left = (last - basis @ sizes[0]) * math.sqrt((count - 2) / (count - _DEGREES - 1))
+    is_more = is_noisier(Noise.of(left).autocovariance, count, noise.autocovariance, len(before))
+    return last if is_more else left
 
 
 def _fitted(samples: Floats, shape: Floats) -> tuple[float, Floats, Floats]:

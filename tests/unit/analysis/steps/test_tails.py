@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchtool.analysis.steps.tails import Tail
+from benchtool.analysis import analyze_step
+from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.tails import Tail, without_course
+from benchtool.block import Block
 
 AWAY = -0.05 * np.exp(-np.arange(1000.0) / 300.0)
 TAIL = Tail.of(AWAY, 0.02)
@@ -50,3 +53,50 @@ def test_a_walk_is_mostly_not_the_tail() -> None:
 def test_few_samples_and_those_before_it_do_not_tell() -> None:
     assert TAIL.goes_on_in(AWAY[990:], 990) is None
     assert TAIL.goes_on_in(AWAY[100:], 100) is None
+
+
+RATE_HZ, ROWS, LAST, DECAY, TURN = 5000.0, 850, 125, 21.0, 56.2  # 1/s, rad/s
+
+
+def test_an_answer_that_rings_in_the_last_rows_is_no_noise_of_them() -> None:
+    random = np.random.default_rng(6)
+    t = np.arange(ROWS) / RATE_HZ
+    ringing = np.exp(-DECAY * t) * np.cos(TURN * t)
+    for _ in range(10):
+        before, noise = (2e-3 * random.standard_normal(count) for count in (400, ROWS))
+        left = without_course(ringing + noise, LAST, before)
+        assert left.shape == (LAST,)
+        assert Noise.of(left).rms == pytest.approx(2e-3, rel=0.3)
+
+
+@pytest.mark.parametrize("cycles", [0.3, 1.0, 3.0])
+def test_a_ripple_that_stays_is_noise_of_the_last_rows(cycles: float) -> None:
+    random = np.random.default_rng(7)
+    turned = 2.0 * np.pi * cycles * np.arange(ROWS) / LAST
+    ripple = 0.02 * np.cos(turned - turned[-1]) + 2e-3 * random.standard_normal(ROWS)
+    assert np.array_equal(without_course(ripple, LAST, 2e-3 * random.standard_normal(400)), ripple[-LAST:])
+
+
+def test_noise_that_only_the_last_rows_have_stays() -> None:
+    random = np.random.default_rng(8)
+    walk = np.cumsum(2e-3 * random.standard_normal(ROWS))
+    for before in (np.zeros(400), 2e-3 * random.standard_normal(10), 2e-3 * random.standard_normal(400)):
+        assert np.array_equal(without_course(walk, LAST, before), walk[-LAST:])
+
+
+def test_an_overshoot_is_as_certain_in_a_record_that_ends_while_it_rings() -> None:
+    random = np.random.default_rng(9)
+    t = np.arange(400 + ROWS) / RATE_HZ - 0.08
+    ringing = np.exp(-DECAY * t) * (np.cos(TURN * t) + DECAY / TURN * np.sin(TURN * t))
+    played = np.where(t >= 0.0, 10.0, 0.0)
+    errors, standards = [], []
+    for _ in range(10):
+        answer = np.where(t >= 0.0, 10.0 - 10.0 * ringing, 0.0) + 0.03 * random.standard_normal(len(t))
+        block = Block.from_arrays(RATE_HZ, {"y": "Nm", "r": "Nm"}, y=answer, r=played)
+        numbers = {each.name: each for each in analyze_step(block, "y", "r", held=True).measurements}
+        found = numbers["overshoot"]
+        assert found.uncertainty is not None
+        errors.append(found.value - 10.0 * np.exp(-DECAY * np.pi / TURN))
+        standards.append(found.uncertainty.standard)
+    assert max(standards) < 0.03
+    assert np.sqrt(np.mean(np.square(np.array(errors) / standards))) < 1.4
