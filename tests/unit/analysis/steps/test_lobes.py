@@ -76,6 +76,21 @@ def test_a_course_without_lobes_keeps_its_draws() -> None:
     np.testing.assert_array_equal(drawn, places_of(last_passages(away + errors, 0.0, BAND)))
 
 
+@pytest.mark.parametrize("third", [0.995, 1.005])
+def test_a_lobe_in_little_noise_is_no_parabola(third: float) -> None:
+    """The parabola through the upper half is lower by more than such noise, and was sure of a wrong lobe."""
+    random = np.random.default_rng(99)
+    true = last_passage(ringing(third), 0.0, BAND)
+    assert true is not None
+    relative = []
+    for _ in range(40):
+        curve = NoisyCurve(ringing(third) + noise(random, 1)[0] / 30.0, noise(random, DRAWS) / 30.0)
+        found = curve.last_outside(0.0, BAND)
+        assert found is not None
+        relative.append((found.place - true.place) / found.standard)
+    assert np.sqrt(np.mean(np.square(relative))) < 1.4
+
+
 def test_of_two_lobes_the_likelier_one_is_the_last() -> None:
     """Noise of single rows has lifted the third lobe over the band, and its parabola is within."""
     away = ringing(0.9)
