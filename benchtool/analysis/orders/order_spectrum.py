@@ -124,8 +124,8 @@ class OrderSpectrum:
 class Revolutions:
     """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The angle that was `read`, rad, shape (rows,), is off `track` by `wobble`, or the speed is one that was
-    stated and not measured.
+    The angle as it was read, `read_rad`, shape (rows,), is off `track` by `wobble`; there is none where the
+    speed was stated and not measured.
     """
 
     track: PhaseTrack

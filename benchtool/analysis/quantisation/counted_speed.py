@@ -19,7 +19,8 @@ from benchtool.analysis.quantisation.counted_line import least_spread
 Floats = NDArray[np.float64]
 
 _WHOLE = 0.01  # of a count
-_LOOKED_AT, _HARMONICS = 4096, 30  # angles; of a rounding, beyond which it has 2 % of its power
+_LOOKED_AT = 4093  # angles, hardly at the same place of all revolutions
+_HARMONICS = 30  # of a rounding, beyond which it has 2 % of its power
 _ROWS = tuple(range(16, 0, -1))  # over which a difference is taken; of a half of a count all are whole, too
 _ARE_WHOLE = 0.9  # of one, which is the length of the mean of directions that are all the same
 _OFF = 1.5  # counts by which a counter is off a line, one by itself and the rest by a shaft that shakes
@@ -50,7 +51,8 @@ def relative_to_rounding(
     The angle then is a whole number of counts of m step / rate. What of its rounding repeats in no revolution
     is noise beside the orders.
     """
-    few = angle_rad[:: max(1, len(angle_rad) // _LOOKED_AT)]
+    last = len(angle_rad) - 1
+    few = angle_rad[np.linspace(0.0, last, min(last + 1, _LOOKED_AT)).astype(np.int64)]
     for rows in _ROWS if step > 0.0 else ():
         count_rad = rows * step / rate_Hz
         if abs(np.mean(np.exp(2j * np.pi * few / count_rad))) > _ARE_WHOLE:
