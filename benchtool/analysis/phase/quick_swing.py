@@ -96,13 +96,13 @@ class QuickSwing:
         size = np.abs(self.phasor) / float(np.mean(np.abs(self.phasor)))
         swing = size[:, np.newaxis] * np.exp(1j * np.outer(phase_rad, order))
         changes = 0.5 * (swing[2:] - swing[:-2])
-        both2 = 2.0 * np.mean(np.abs(changes) ** 2, axis=0)
-        both2 = np.maximum(both2, np.abs(changes[-1] - changes[0]) ** 2)
+        ends2 = 0.5 * np.abs(changes[-1] - changes[0]) ** 2
+        changes2 = np.maximum(np.mean(np.abs(changes) ** 2, axis=0), ends2)
         alternating = np.exp(1j * np.pi * np.arange(2 * _TAPS + 1))
         gain = np.where(order % 2, 1.0, np.linalg.norm([alternating @ each for each in _weights()]))
         kept = np.hypot(1.0 / (order - 1.0), 1.0 / (order + 1.0)) / np.pi
         left = gain * kept * self.harmonics[order - 1] / self.harmonics[0]
-        return float(np.linalg.norm(left * np.sqrt(0.5 * both2)))
+        return float(np.linalg.norm(left * np.sqrt(changes2)))
 
 
 def _beyond(values: Floats, cycles: float) -> float:
