@@ -146,12 +146,14 @@ class PhaseTrack:
 
     def rows_as_far(self, marks: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """Return in how many rows each period between marks, shape (n + 1,), turns as far as the record does
-        behind its last whole one, and at last the rows behind that, shape (n + 1,); None where the phase at
-        the end of the record is not told, or nothing turns meanwhile."""
+        behind the last mark, and at last the rows behind that, shape (n + 1,); None where the phase at the
+        end of the record is not told, or nothing turns meanwhile. That is more than a period where one ends
+        behind the last row, with the time that this stands for."""
         if self.told_to < self.samples - 1 or len(marks) < 2:
             return None
         begin, end = self.at(np.array([0.0, float(self.samples)]))
-        behind = math.fmod(float(end - begin), 2 * np.pi)
+        unmarked = int((end - begin) / (2 * np.pi)) - int(self.periods)
+        behind = math.fmod(float(end - begin), 2 * np.pi) + 2 * np.pi * unmarked
         turned = begin + 2 * np.pi * np.arange(len(marks) - 1.0) + behind
         reached = self.sample_numbers(np.append(turned, end - behind))
         rows = np.append(reached[:-1] - marks[:-1], self.samples - reached[-1])

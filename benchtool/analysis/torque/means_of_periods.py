@@ -98,11 +98,12 @@ class Periods:
         """Return in how many rows each turns as far as so many rows do behind the last, shape (periods,), and
         how many those are: by the pace of the last one where nothing tells it."""
         counts = np.diff(self.edges)
-        # one that ends between the last two rows is among those behind, and makes nothing of the mean
-        over = math.fmod(count - float(self.edges[-1]), float(counts[-1]))
+        behind = count - float(self.edges[-1])
         as_far = None if self.marks is None else self.marks.as_far
-        if as_far is not None and count - float(self.edges[-1]) > float(as_far[-1]) - _OF_A_ROW:
+        if as_far is not None and behind > as_far[-1] - _OF_A_ROW and as_far[-1] < counts[-1]:
             return np.minimum(as_far[:-1], counts), float(as_far[-1])
+        # one that ends between the last two rows is among those behind, and makes nothing of the mean
+        over = math.fmod(behind, float(counts[-1]))
         return np.minimum(over * counts / counts[-1], counts), over
 
     def places(self, count: int) -> Floats:

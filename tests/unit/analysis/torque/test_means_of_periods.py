@@ -266,3 +266,17 @@ def test_a_drift_that_few_revolutions_do_not_tell_is_told_by_their_periods() -> 
     found = mean_over_periods(series, repeats, by_revolutions=True)
     assert found.error.standard < 1e-3
     assert abs(found.mean - 1.8) < 3.0 * found.error.standard
+
+
+@pytest.mark.parametrize("per_revolution", [2, 3])
+def test_a_period_that_ends_behind_the_last_row_is_part_of_a_revolution(per_revolution: int) -> None:
+    """Without it, the mean is off by half a wave in 43 periods, 4e-4."""
+    count, periods = 16_000, 43.0016
+    turns = periods * np.arange(count) / count
+    track = PhaseTrack(Polynomial([0.4, 2 * np.pi * periods / count]), count, "made")
+    series = 0.03 * np.cos(2 * np.pi * turns / per_revolution + 0.5 * np.pi)
+    repeats = Periods.of(PeriodMarks.of(track), per_revolution)
+    assert len(repeats) == 42
+    assert abs(float(np.mean(series))) > 3e-4
+    found = mean_over_periods(series, repeats, by_revolutions=True)
+    assert abs(found.mean) < 1e-6
