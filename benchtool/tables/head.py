@@ -48,6 +48,7 @@ _QUOTED_OR_WORD = re.compile(r'"[^"]*"(?!\S)|\S+')
 _BLANK = " \r\n\f\v"
 _NUMBER = re.compile(f"{plain('.')}|{plain(',')}")
 _IN_A_UNIT = re.compile(r"(?:(.+?)\s+)?in\s+(\S+)")
+_FEWEST_BEHIND_LABELS = 2  # columns: of one, any setting has a name for it
 _ROWS_IN_HEAD = 0.25  # of the rows below the names: more rows above them are data
 
 
@@ -135,11 +136,12 @@ def columns_of(
     words alone, or names, units and one more line of words, as of the sensors. What a further line of single
     words has is another name. Lines that say the same of several columns, as of a module or a data type, are
     left out where another one tells them apart. Where the first cell of each row is empty, and so that of
-    the head labels its lines (`is_labelled`), they need not be next to each other.
+    the head labels its lines (`is_labelled`), they need not be next to each other, nor where the lines have
+    labels in a cell that no row has.
     """
     found = _lines_of_names(preamble, delimiter, used, width, is_labelled=is_labelled)
     if not found:
-        return ()
+        return _behind_labels(preamble, delimiter, used, width)
     if is_labelled:
         return _labelled(found)
     found = [_without_label(line) for line in found]
@@ -147,6 +149,18 @@ def columns_of(
     return tuple(
         column.also_called(line[place] for line in others) for place, column in enumerate(_columns(found))
     )
+
+
+def _behind_labels(preamble: Sequence[str], delimiter: str, used: int, width: int) -> tuple[Column, ...]:
+    """Return the columns of a head whose lines begin with labels that the rows have no cell for
+    (`Channel:,t,I_a`), none if it has no such lines: a cell more may be a comma within a name, so that either
+    the label has a colon or one of the lines has units behind it."""
+    if used < _FEWEST_BEHIND_LABELS:
+        return ()
+    found = _lines_of_names(preamble, delimiter, used + 1, width + 1, is_labelled=True)
+    found = [line for line in found if _WORD.match(line[0]) and not _is_unit_cell(line[0])]
+    has_units = any(are_units(line[1:]) for line in found)
+    return _labelled([line for line in found if has_units or line[0].endswith(":")])[1:]
 
 
 def _without_label(cells: list[str]) -> list[str]:

@@ -165,3 +165,35 @@ def test_quotes_about_cells_of_rows_join_no_lines(tmp_path: Path) -> None:
     found = TextTable.open(tmp_path / "table.csv")
     selected = [found.select("t:s", "s"), found.select("#2:A", "A")]
     assert len(found.rows(selected).data) == 64
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Model:;DL850\nInterval:;0.001\nChannel:;t;I;T\nUnit:;ms;mA;mNm\n",
+        "Model;DL850\nTraceName;t;I;T\nVUnit;ms;mA;mNm\n",
+        "Signal;t;I;T\nSensor;clock;LEM;HBM\nUnits;ms;mA;mNm\n",
+        "Units;ms;mA;mNm\nSignal;t;I;T\n",
+        "Channel:;t [ms];I [mA];T [mNm]\n",
+    ],
+)
+def test_labels_before_the_lines_of_a_head_alone_are_no_names(tmp_path: Path, head: str) -> None:
+    found = table(tmp_path, head)
+    chosen = [found.select(*each) for each in (("t", "s"), ("I", "A"), ("T", "Nm"))]
+    assert [each.unit for each in chosen] == UNITS
+    assert [each.number for each in chosen] == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "t;Position; mech.;T\n",
+        "t;Position; mech.;T\ns;deg;;Nm\n",
+        "No.;Position; mech.;T\n-;deg;;Nm\n",
+        "Channel:;DL850\n",
+    ],
+)
+def test_a_cell_too_many_is_no_label_without_a_sign_of_one(tmp_path: Path, head: str) -> None:
+    """A separator within a name would shift those behind it."""
+    found = table(tmp_path, head)
+    assert not any(column.name for column in found.layout.columns)
