@@ -29,7 +29,8 @@ def require_signal(samples: NDArray[np.float64], name: str, unit: str = "") -> N
     """Refuse samples, shape (n,), from which no number should be made.
 
     A constant is refused, because sampled noise is never constant: the channel is dead or the drive is off,
-    and a ripple of zero would look like a success.
+    and a ripple of zero would look like a success. One is constant as well that a computation has rounded, as
+    much as a sum of so many samples can be off.
 
     Raises:
         AnalysisError: fewer than two samples, one that is not finite, or all of the same value.
@@ -40,7 +41,8 @@ def require_signal(samples: NDArray[np.float64], name: str, unit: str = "") -> N
         )
     require_finite(samples, name)
     low, high = float(np.min(samples)), float(np.max(samples))
-    if low == high:
+    rounding = len(samples) * np.finfo(np.float64).eps * max(abs(low), abs(high))
+    if high - low <= rounding:
         raise AnalysisError(
             f"'{name}' is constant at {with_unit(low, unit)} over {len(samples)} samples, a live signal is "
             f"expected: check that the drive was enabled and the channel is measured"

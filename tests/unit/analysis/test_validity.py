@@ -11,7 +11,8 @@ from benchtool.analysis.quantisation.resolution import (
     step_of_counts,
     step_of_even_counts,
 )
-from benchtool.analysis.validity import clipping, standing
+from benchtool.analysis.validity import clipping, require_signal, standing
+from benchtool.errors import AnalysisError
 
 SINE = np.cos(2.0 * np.pi * np.arange(20_000) / 500)
 
@@ -40,6 +41,14 @@ def test_a_signal_of_levels_does_not_stand_still() -> None:
     levels = np.repeat(np.random.default_rng(0).standard_normal(200), 100)
     assert standing(levels) == ""
     assert standing(np.ones(100)) == ""
+
+
+def test_a_constant_that_a_computation_has_rounded_is_one() -> None:
+    rounded = np.where(np.arange(1000) % 2, 0.1 + 0.2, 0.3)
+    assert np.ptp(rounded) > 0.0
+    with pytest.raises(AnalysisError, match=r"constant at 0.3 Nm"):
+        require_signal(rounded, "torque", "Nm")
+    require_signal(0.3 + 1e-12 * np.arange(1000.0), "torque", "Nm")
 
 
 def test_an_angle_at_constant_speed_counts_in_no_steps() -> None:
