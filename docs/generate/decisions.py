@@ -201,7 +201,7 @@ SECTIONS: Final = (
         "The uncertainty of a mean or rms over periods that are not whole, or whose values cycle or drift "
         "(`benchtool.analysis.statistics`, `benchtool.analysis.torque`).",
         """
-        0218 0397 0408 0443 0230 0290 0445 0474 0500 0476 0495 0358 0430 0453
+        0218 0397 0408 0443 0230 0290 0445 0474 0500 0476 0547 0495 0358 0430 0453
         """,
     ),
     Section(

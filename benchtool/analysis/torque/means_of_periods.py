@@ -15,7 +15,7 @@ from benchtool.analysis.phase.period_marks import PeriodMarks
 from benchtool.analysis.spectra.amplitude_trend import amplitude_trend
 from benchtool.analysis.statistics.neighbours import neighbours_alike
 from benchtool.analysis.statistics.scatter import MeanError, at_lowest_frequencies, error_of_series
-from benchtool.analysis.torque.slow_lines import SlowLines, slow_lines
+from benchtool.analysis.torque.fitted_lines import FittedLines, lines_between_harmonics, slow_lines
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +25,7 @@ FEWEST_PERIODS = 3
 _FEWEST_REVOLUTIONS = 8
 _APART_IN_TIME = 1e-4  # of the record, by which periods are off even ones where they differ in length
 _ALIKE = 3.0  # standard deviations of a correlation
+_CLEARLY_MORE = 1.5  # times a standard uncertainty
 _ROWS_BEHIND = 1.0  # one period, and the row that may be begun with the last
 _OF_A_ROW = 0.5  # rounding of the rows behind the last mark, or whole rows that were left out there
 _OF_LAST = 16  # one in so many
@@ -142,19 +143,28 @@ class Course:
 class MeanOverPeriods:
     """Mean of a series without what its incomplete period and the incomplete cycles of its slow lines make of
     it, and its error by what is `left` without these `lines`, shape (n,), and without the `course` of few
-    constants that the means of the periods have besides, if they have one."""
+    constants that the means of the periods have besides, if they have one; of what is left of these means,
+    `deviation` is the rms."""
 
     left: Floats
     mean: float
     error: MeanError
-    lines: SlowLines | None
+    lines: FittedLines | None
     course: Course | None
+    deviation: float = 0.0
 
     @property
     def of_lines(self) -> float:
         """Mean square of the lines, 0 where they are not told from each other: then they are another
         course together."""
         return self.lines.mean_square if self.lines is not None and self.lines.are_apart else 0.0
+
+    @property
+    def of_slow_noise(self) -> float:
+        """Standard deviation of the mean square of what is left of the means, if its memory is exponential:
+        over a time T noise of the autocorrelation R(t) has that of its mean from 2/T times the integral of R,
+        and the variance of its mean square is 4/T times that of R^2."""
+        return self.deviation * self.error.standard
 
     @property
     def is_steady(self) -> bool:
@@ -185,33 +195,22 @@ def mean_over_periods(
     course of few constants, such as a drift; of few periods `pooled` with its density, which a `reference`
     that it follows tells too. Where orders of a revolution stand out it is over whole ones, of few not, if
     asked for `by_revolutions`. Rows behind periods that are told count by the course alone."""
-    rows, periods = repeats.rows, len(repeats)
-    place = repeats.places(len(series))
-    lines = slow_lines(series[: rows[-1]], place[: rows[-1]], periods, repeats.per_revolution)
+    last, place = int(repeats.rows[-1]), repeats.places(len(series))
+    lines = slow_lines(series[:last], place[:last], len(repeats), repeats.per_revolution)
     left = series if lines is None else series - lines.at(place)
-    told = len(repeats.told(series))
-    of_cycles = 0.0 if lines is None else lines.mean_at(place[:told])
-    rest, means = left[: rows[-1]], repeats.means(left)
-    middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
-    found = _course((means - middle) / size, repeats) if size > 0.0 else None
-    if found is not None:
-        error = replace(found.error, standard=size * found.error.standard)
-    else:
-        by_parts = error_of_series(means)
-        followed = None if reference is None else reference[: rows[-1]]
-        if followed is not None and lines is not None:  # which are its lines too
-            own = slow_lines(followed, place[: rows[-1]], periods, repeats.per_revolution)
-            followed = followed if own is None else followed - own.at(place[: rows[-1]])
-        error = at_lowest_frequencies(
-            rest, by_parts, repeats.edges, reference=followed, pooled=pooled, may_fall=may_fall
-        )
-    course = None if found is None else replace(found.course, size=size)
-    slowly = np.zeros(len(series)) if course is None else course.at(place)
-    incomplete, not_repeated = _of_incomplete((left - slowly)[:told], repeats)
-    of_mean = 1.0 if lines is None else lines.of_mean
-    error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
-    mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
-    over_periods = MeanOverPeriods(left, mean, error, lines, course)
+    followed = None if reference is None else reference[:last]
+    if followed is not None and lines is not None:  # which are its lines too
+        own = slow_lines(followed, place[:last], len(repeats), repeats.per_revolution)
+        followed = followed if own is None else followed - own.at(place[:last])
+    beside = _BesideLines(series, repeats, left, lines, followed, pooled, may_fall)
+    over_periods = beside.mean(None)
+    between = lines_between_harmonics(left[:last], place[:last], len(repeats), repeats.per_revolution)
+    if between is not None:
+        without = beside.mean(between)
+        # sidebands of a speed that swings look like lines, and are known better by where the rotor is
+        if not _CLEARLY_MORE * over_periods.error.standard < without.error.standard:
+            over_periods = without
+    mean, error = over_periods.mean, over_periods.error
     turns = repeats.revolutions if by_revolutions and lines is not None and lines.are_of_revolution else None
     if turns is None:
         return over_periods
@@ -225,11 +224,60 @@ def mean_over_periods(
 
 
 @dataclass(frozen=True)
+class _BesideLines:
+    """A series, shape (n,), of which slow lines leave so much; what it follows, shape (rows,), has its noise
+    as well."""
+
+    series: Floats
+    repeats: Periods
+    left: Floats
+    lines: FittedLines | None
+    followed: Floats | None
+    pooled: bool
+    may_fall: bool
+
+    def mean(self, between: FittedLines | None) -> MeanOverPeriods:
+        """Return its mean, without lines between the harmonics as well."""
+        series, repeats = self.series, self.repeats
+        last, place = int(repeats.rows[-1]), repeats.places(len(series))
+        told = len(repeats.told(series))
+        alike = self.left if between is None else self.left - between.at(place)
+        of_cycles, of_mean = 0.0, 1.0
+        for each in filter(None, (self.lines, between)):
+            of_cycles += each.mean_at(place[:told])
+            of_mean *= each.of_mean
+        rest, means = alike[:last], repeats.means(alike)
+        middle, size = float(np.mean(means)), float(np.max(np.abs(means)))
+        found = _course((means - middle) / size, repeats) if size > 0.0 else None
+        if found is not None:
+            error = replace(found.error, standard=size * found.error.standard)
+            deviation = size * found.deviation
+        else:
+            deviation = float(np.std(means))
+            by_parts = error_of_series(means)
+            error = at_lowest_frequencies(
+                rest,
+                by_parts,
+                repeats.edges,
+                reference=self.followed,
+                pooled=self.pooled,
+                may_fall=self.may_fall,
+            )
+        course = None if found is None else replace(found.course, size=size)
+        slowly = np.zeros(len(series)) if course is None else course.at(place)
+        incomplete, not_repeated = _of_incomplete((alike - slowly)[:told], repeats)
+        error = replace(error, standard=math.hypot(of_mean * error.standard, not_repeated))
+        mean = float(np.mean(series[:told] - slowly[:told]) + np.mean(slowly)) - of_cycles - incomplete
+        return MeanOverPeriods(self.left, mean, error, self.lines, course, deviation)
+
+
+@dataclass(frozen=True)
 class _Found:
-    """A course of means, and the error of their mean by what it leaves."""
+    """A course of means, the error of their mean by what it leaves, and the rms of that."""
 
     course: Course
     error: MeanError
+    deviation: float
 
 
 def _course(means: Floats, repeats: Periods) -> _Found | None:
@@ -241,7 +289,7 @@ def _course(means: Floats, repeats: Periods) -> _Found | None:
     if trend is not None and (in_time is None or np.std(trend.rest) <= np.std(in_time.rest)):
         error = error_of_series(trend.rest)
         error = replace(error, standard=math.hypot(error.standard, trend.apart))
-        return _Found(Course(trend.curve, 1.0, trend.cycles), error)
+        return _Found(Course(trend.curve, 1.0, trend.cycles), error, float(np.std(trend.rest)))
     if in_time is None:
         return None
     curve, lengths = in_time.curve, np.diff(edges)
@@ -252,7 +300,8 @@ def _course(means: Floats, repeats: Periods) -> _Found | None:
     alone = math.sqrt(len(means) * float(lengths @ lengths)) * error.standard
     apart = float(lengths @ in_time.over_periods) - in_time.level if in_time.cycles else 0.0
     error = replace(error, standard=math.hypot(alone, apart))
-    return _Found(Course(lambda place: curve(np.interp(place, places, times)), 1.0, in_time.cycles), error)
+    course = Course(lambda place: curve(np.interp(place, places, times)), 1.0, in_time.cycles)
+    return _Found(course, error, float(np.std(in_time.rest)))
 
 
 def _of_incomplete(series: Floats, repeats: Periods) -> tuple[float, float]:

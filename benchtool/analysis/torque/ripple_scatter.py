@@ -84,7 +84,9 @@ def scatter_of_periods(
     rms = math.sqrt(max(0.0, of_square.mean + of_mean.of_lines + of_pace))
     # noise as that of the mean moves an amplitude sqrt(2) times as much
     of_lines = 2.0 * math.sqrt(of_mean.of_lines) * of_mean.error.standard if of_mean.of_lines else 0.0
-    error_of_square = replace(of_square.error, standard=math.hypot(of_square.error.standard, of_lines))
+    # a record that has little of a slow noise by chance shows little scatter of its square
+    of_square_alone = max(of_square.error.standard, of_mean.of_slow_noise)
+    error_of_square = replace(of_square.error, standard=math.hypot(of_square_alone, of_lines))
     spans = np.maximum.reduceat(within, begin) - np.minimum.reduceat(within, begin)
     tails = Tails.of(within, begin, counts)
     slow = SlowRipple.of(within, repeats, of_mean, of_square)

@@ -124,9 +124,9 @@ _NUMBERS: Final = (
         "Nm",
         "mean(x) over time, less what the incomplete last period makes of it, by as much of each whole one, "
         "or of the whole periods alone behind which no phase is told, moved along their course, and less "
-        "incomplete cycles of sinusoids slower than a period; of eight revolutions or more whose orders "
-        "stand out likewise over these",
-        "s of the periods' means x sqrt(tau / N_p), less sinusoids slower than a period that stand out and a "
+        "incomplete cycles of sinusoids slower than a period, or faster and no harmonics of it; of eight "
+        "revolutions or more whose slow orders stand out likewise over these",
+        "s of the periods' means x sqrt(tau / N_p), less these sinusoids as far as they stand out and a "
         "drift of few constants, or by the five lowest frequencies where these hold less than a fifth of "
         "that, or by the density continued to zero frequency where that is 1.4 times as much, of few "
         "periods where it is more (none where it rises more steeply than that of 1/f noise), or of few "

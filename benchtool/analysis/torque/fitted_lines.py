@@ -1,7 +1,10 @@
-"""Slow sinusoids of a signal that repeats: what is once per revolution, or in step with nothing, is no noise.
+"""Sinusoids that do not repeat in each period of a signal: what is once per revolution, some times in it, or
+in step with nothing, is no noise.
 
-Means over periods differ by what is slower than a period. Where that is a few sinusoids it is known, and
-moves the mean of a record only by their incomplete cycles; what is left over is the noise.
+Means over periods differ by what is slower than a period, and by orders of a revolution between its
+harmonics: cogging of nine in a revolution of two periods has another mean over every other one. Where that is
+a few sinusoids it is known, and moves the mean of a record only by their incomplete cycles; what is left over
+is the noise.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from benchtool.analysis.distributions import fisher_above
-from benchtool.analysis.lines.around_lines import surrounded
+from benchtool.analysis.lines.around_lines import MAIN_LOBE, surrounded
 from benchtool.analysis.spectral_window import spectral_window
 from benchtool.analysis.statistics.scatter import BLOCKS
 
@@ -32,12 +35,15 @@ _OF_LINE, _EXPLAINED = 2, 3.5  # bins on either side of a line; what it leaves t
 _FINER, _TURNS = 2, 4  # rounds of the fits
 _ROWS_OF_BLOCK = 2  # at least
 _BLOCKS_OF_CYCLE = 16  # that have a pace of their own
+_MOST_ORDERS = 16  # between harmonics of the period
+_HIGHEST = 0.25  # cycles in a block, whose mean makes a line smaller by a tenth
+_OF_ORDER = 0.3  # bins from an order: a line further away is another one
 _TOLD = 1e-3  # of singular values: lines that differ by less have one part of it
 _CHUNK = 1 << 13
 
 
 @dataclass(frozen=True)
-class SlowLines:
+class FittedLines:
     """Sinusoids of `cycles` over the record, shape (lines,); `cosine` and `sine` are their amplitudes, about
     the constant `mean`. Noise moves that `of_mean` times as much as it moves a mean without them.
 
@@ -108,14 +114,14 @@ class SlowLines:
         return found
 
 
-def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int = 1) -> SlowLines | None:
+def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int = 1) -> FittedLines | None:
     """Return the sinusoids of samples, shape (n,), that are slower than a period and stand out of the noise.
 
     `place`, shape (n,), is where the samples are in what repeats, from 0 to 1, increasing nearly evenly: in
     angle where that is known. A revolution has `per_revolution` periods: its orders are fitted also where the
     record has few of it. Others are sought in a spectrum under a Hann window.
     """
-    if len(samples) < max(_FEWEST_BLOCKS, 2 * periods) or 2 * periods > _MOST_BLOCKS:
+    if not _are_told(samples, periods):
         return None
     values, at, are_blocks = _aligned(samples, place, periods)
     cycles = _of_revolution(values, at, periods, per_revolution)
@@ -129,13 +135,68 @@ def slow_lines(samples: Floats, place: Floats, periods: int, per_revolution: int
     if not len(cycles):
         return None
     found, rest = _fitted(values, at, cycles, periods)
-    if are_blocks:  # whose means make a line smaller
-        kept = np.sinc(cycles / len(values))
-        found = replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
+    if are_blocks:
+        found = _before_blocks(found, len(values))
     return replace(found, untold=_untold(found, rest), are_of_revolution=are_of_revolution)
 
 
-def _untold(found: SlowLines, rest: Floats) -> float:
+def lines_between_harmonics(
+    samples: Floats, place: Floats, periods: int, per_revolution: int = 1
+) -> FittedLines | None:
+    """Return the lines that are faster than a period, no harmonics of it, and stand out of samples, shape
+    (n,), at places as those of `slow_lines`: orders of a revolution, and others, such as hum, as far from the
+    harmonics as a spectrum parts them. None without one."""
+    if not _are_told(samples, periods):
+        return None
+    values, at, are_blocks = _aligned(samples, place, periods)
+    highest = int(_HIGHEST * len(values))
+    per_order = periods / per_revolution
+    orders = np.arange(per_revolution + 1, int(highest / per_order))
+    # of one period in a revolution, all are harmonics
+    orders = orders[orders % per_revolution != 0] if per_order > MAIN_LOBE else orders[:0]
+    _, rest = _fitted(values, at, np.empty(0), periods)
+    cycles = _of_orders(rest, per_order * orders.astype(np.float64))
+    if len(cycles):
+        _, rest = _fitted(values, at, cycles, periods)
+    inner = np.arange(periods + MAIN_LOBE + 1, highest)
+    away = np.abs(inner - periods * np.round(inner / periods)) > MAIN_LOBE
+    if len(more := _highest(rest, inner[away], _MOST_LINES)):
+        cycles = _finer(values, at, np.concatenate([cycles, more]), len(cycles), periods)
+    if not len(cycles):
+        return None
+    found, _ = _fitted(values, at, cycles, periods)
+    return _before_blocks(found, len(values)) if are_blocks else found
+
+
+def _of_orders(rest: Floats, cycles: Floats) -> Floats:
+    """Return those of cycles over the record, shape (orders,), at which lines stand out, at most so many of
+    the largest."""
+    bins = _windowed(rest)
+    size, below = np.abs(bins), np.floor(cycles).astype(np.int64)
+    peaks = below + (size[below + 1] > size[below])
+    is_top = (size[peaks] > size[peaks - 1]) & (size[peaks] >= size[peaks + 1])
+    peaks, cycles = peaks[is_top], cycles[is_top]
+    largest = np.argsort(-size[peaks])[:_MOST_ORDERS]
+    found = [surrounded(bins, size, int(peak)) for peak in peaks[largest]]
+    stands_out = [
+        each.amplitude > _STANDS_OUT * each.noise and abs(each.place - of_order) < _OF_ORDER
+        for each, of_order in zip(found, cycles[largest], strict=True)
+    ]
+    return np.asarray(cycles[largest][np.array(stands_out, dtype=np.bool_)])
+
+
+def _are_told(samples: Floats, periods: int) -> bool:
+    """Return whether lines can be told in so many samples, and are sought in so many periods."""
+    return len(samples) >= max(_FEWEST_BLOCKS, 2 * periods) and 2 * periods <= _MOST_BLOCKS
+
+
+def _before_blocks(found: FittedLines, blocks: int) -> FittedLines:
+    """Return lines as they are before means of so many blocks make them smaller."""
+    kept = np.sinc(found.cycles / blocks)
+    return replace(found, cosine=found.cosine / kept, sine=found.sine / kept)
+
+
+def _untold(found: FittedLines, rest: Floats) -> float:
     """Return the mean square of lines that is not told, where they leave this rest, shape (n,)."""
     size, cycles = np.hypot(found.cosine, found.sine), found.cycles
     bins = _windowed(rest)
@@ -176,7 +237,7 @@ def _aligned(samples: Floats, place: Floats, periods: int) -> tuple[Floats, Floa
     return np.asarray(means), (np.arange(count) + 0.5) / count, True
 
 
-def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[SlowLines, Floats]:
+def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tuple[FittedLines, Floats]:
     """Return the lines by least squares, and what neither they nor what each period repeats explain.
 
     Both by turns: over part of a cycle a line is not orthogonal to the harmonics of the period, which are far
@@ -193,7 +254,7 @@ def _fitted(values: Floats, place: Floats, cycles: Floats, periods: int) -> tupl
         repeated = np.tile(np.mean(rest.reshape(periods, -1), axis=0), periods)
     cosine, sine = found[1 : 1 + len(cycles)], found[1 + len(cycles) :]
     of_mean = math.sqrt(len(place) * float(inverse[0] @ inverse[0]))
-    return SlowLines(float(found[0]), cycles, cosine, sine, of_mean), rest - repeated
+    return FittedLines(float(found[0]), cycles, cosine, sine, of_mean), rest - repeated
 
 
 def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: int) -> Floats:
@@ -216,9 +277,13 @@ def _of_revolution(values: Floats, place: Floats, periods: int, per_revolution: 
 
 def _beside(rest: Floats, periods: int, most: int) -> Floats:
     """Return the cycles of the largest lines of a spectrum that are slower than a period, at most so many."""
+    return _highest(rest, np.arange(_LOWEST, periods - 1), most)
+
+
+def _highest(rest: Floats, inner: NDArray[np.int64], most: int) -> Floats:
+    """Return the cycles of the largest lines of a spectrum at inner bins, at most so many."""
     bins = _windowed(rest)
     size = np.abs(bins)
-    inner = np.arange(_LOWEST, periods - 1)
     peaks = inner[(size[inner] > size[inner - 1]) & (size[inner] >= size[inner + 1])]
     peaks = peaks[np.argsort(-size[peaks])][:most]
     found = [surrounded(bins, size, int(peak)) for peak in peaks]

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchtool.analysis import Measurement, ripple_numbers, torque_ripple, track_angle
-from benchtool.analysis.torque.slow_lines import SlowLines, _aligned, slow_lines
+from benchtool.analysis.torque.fitted_lines import FittedLines, _aligned, slow_lines
 from benchtool.block import Block
 from tests.at_length import at_length
 
@@ -270,9 +270,11 @@ def test_lines_that_are_not_told_from_each_other_move_a_mean_as_one() -> None:
     turned = 2 * np.pi * np.outer(place, cycles)
     basis = np.concatenate([np.cos(turned), np.sin(turned)], axis=1)
     sizes = np.linalg.lstsq(basis, 0.06 * np.cos(2 * np.pi * 19.06 * place + 1.0), rcond=None)[0]
-    lines = SlowLines(0.0, cycles, sizes[:3], sizes[3:])
+    lines = FittedLines(0.0, cycles, sizes[:3], sizes[3:])
     assert float(np.max(np.hypot(sizes[:3], sizes[3:]))) > 0.1
-    alone = SlowLines(0.0, np.array([19.06]), np.array([0.06 * np.cos(1.0)]), np.array([-0.06 * np.sin(1.0)]))
+    alone = FittedLines(
+        0.0, np.array([19.06]), np.array([0.06 * np.cos(1.0)]), np.array([-0.06 * np.sin(1.0)])
+    )
     assert lines.mean_at(place) == pytest.approx(alone.mean_at(place), abs=2e-5)
 
 
@@ -282,7 +284,7 @@ def _evenly(count: int) -> Array:
 
 def test_sums_of_sinusoids_have_the_means_of_their_integrals() -> None:
     """Over 2.3 cycles a cosine has the mean sin(2 pi 2.3) / (2 pi 2.3), over whole cycles none."""
-    lines = SlowLines(0.7, np.array([2.3, 5.0]), np.array([0.4, 0.1]), np.array([-0.2, 0.3]))
+    lines = FittedLines(0.7, np.array([2.3, 5.0]), np.array([0.4, 0.1]), np.array([-0.2, 0.3]))
     place, turned = _evenly(20_000), 2.0 * np.pi * 2.3
     of_first = 0.4 * np.cos(turned * place) - 0.2 * np.sin(turned * place)
     of_second = 0.1 * np.cos(10.0 * np.pi * place) + 0.3 * np.sin(10.0 * np.pi * place)
@@ -291,14 +293,14 @@ def test_sums_of_sinusoids_have_the_means_of_their_integrals() -> None:
     expected = (0.4 * np.sin(turned) - 0.2 * (1.0 - np.cos(turned))) / turned
     assert lines.mean_at(place) == pytest.approx(expected, rel=1e-5)
     assert (lines.of_mean, lines.untold) == (1.0, 0.0)
-    few = SlowLines(0.0, np.array([2.0, 7.0]), np.ones(2), np.ones(2))
+    few = FittedLines(0.0, np.array([2.0, 7.0]), np.ones(2), np.ones(2))
     assert few.mean_at(_evenly(40)) == pytest.approx(0.0, abs=1e-9)  # as many as there are rows
 
 
 @pytest.mark.parametrize("cycles", [4.0, 1.2])
 def test_incomplete_cycles_move_a_mean_by_half_a_cycle_at_most(cycles: float) -> None:
     """By 1 / (pi c) of an amplitude."""
-    line = SlowLines(0.0, np.array([cycles]), np.array([0.4]), np.zeros(1))
+    line = FittedLines(0.0, np.array([cycles]), np.array([0.4]), np.zeros(1))
     for sign in (1.0, -1.0):
         one = replace(line, cosine=sign * line.cosine)
         assert one.mean_at(np.linspace(0.0, 0.02, 1000)) == pytest.approx(
@@ -310,7 +312,7 @@ def test_incomplete_cycles_move_a_mean_by_half_a_cycle_at_most(cycles: float) ->
     ("cycles", "apart"), [([0.9], False), ([1.1], True), ([2.1, 1.2], False), ([1.2, 2.3], True)]
 )
 def test_lines_are_apart_by_more_than_a_cycle(cycles: list[float], apart: bool) -> None:
-    assert SlowLines(0.0, np.array(cycles), np.zeros(2), np.zeros(2)).are_apart is apart
+    assert FittedLines(0.0, np.array(cycles), np.zeros(2), np.zeros(2)).are_apart is apart
 
 
 @pytest.mark.parametrize("phase_rad", [0.0, 0.8])
@@ -321,7 +323,7 @@ def test_a_pace_that_swings_along_moves_no_whole_cycles(cycles: float, phase_rad
     time, swing = _evenly(12_000), 0.05
     turned = 2.0 * np.pi * cycles * time
     place = time + swing * np.sin(turned + phase_rad) / (2.0 * np.pi * cycles)
-    line = SlowLines(0.0, np.array([cycles]), np.cos([phase_rad]), -np.sin([phase_rad]))
+    line = FittedLines(0.0, np.array([cycles]), np.cos([phase_rad]), -np.sin([phase_rad]))
     assert np.mean(line.at(place)) == pytest.approx(-0.5 * swing, rel=0.01)
     assert abs(line.mean_at(place)) < 0.03 * swing
 
