@@ -28,6 +28,9 @@ _FEWEST_ALIKE = 1.5  # squares that hold the power of noise: of fewer its level 
 _SURE = 1e-2  # relative uncertainty of a power, below which its root has half of it
 _LINE = 10.0  # times the mean square of noise: by chance one bin in twenty thousand
 _LINES_BY_CHANCE = 5e-4
+_BESIDE_TAKEN = 2  # bins, in which the fit of a line takes noise for it
+_LOWEST_BINS = 64  # by which the density at low frequencies is told
+_NOTHING = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,8 @@ class NoiseFloor:
     `highest` is this rms with all that the bins have, and `least` that without what may be left of a phase
     that was followed, relative to it. Either may be right: `all_noise` is the probability of the first.
     `of_bins` is the relative standard uncertainty of the floor by the scatter of its bins, of `dof` degrees
-    of freedom, and `by_time` what it has besides because its level changes, `over_time`.
+    of freedom, and `by_time` what it has besides because its level changes, `over_time`. Lines and a dc were
+    `taken` out of bins that have this share of its power, by the density of others.
     """
 
     highest: float
@@ -54,6 +58,7 @@ class NoiseFloor:
     least: float = 1.0
     all_noise: float = 0.5
     over_time: NoiseOverTime = ONE_LEVEL
+    taken: float = 0.0
 
     @property
     def amplitude(self) -> float:
@@ -103,6 +108,7 @@ def noise_floor(
     *,
     has_moved: bool = False,
     follows_signal: bool = False,
+    taken: NDArray[np.float64] = _NOTHING,
 ) -> NoiseFloor | None:
     """Return noise floor from the bins between two orders that are not harmonics; None if fewer than eight.
 
@@ -114,7 +120,8 @@ def noise_floor(
     Where a phase was followed or the course of an amplitude was divided out (`has_moved`), something of it
     may be left between the low harmonics, or be noise of that colour: the floor is all that is there or that
     without what the lower bands have more than the upper half of them. A phase that `follows_signal` took
-    the noise in quadrature to the fundamental along.
+    the noise in quadrature to the fundamental along. What was `taken` out, at places in bins of shape
+    (lines,), took noise of the bins beside it along.
 
     The median of n exponentially distributed squares has the mean H_n - H_(n/2), H the harmonic numbers, and
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
@@ -150,7 +157,29 @@ def noise_floor(
     least = _without_low_bands(powers, shares) if has_moved else 1.0
     over_time = noise_over_time(spectrum.phasor, _quiet(spectrum, bins, bands, powers))
     amplitude, dof = math.sqrt(total), 2.0 / relative**2
-    return NoiseFloor(amplitude, bin_Hz, len(bins), of_bins, dof, least, over_time=over_time)
+    return NoiseFloor(
+        amplitude,
+        bin_Hz,
+        len(bins),
+        of_bins,
+        dof,
+        least,
+        over_time=over_time,
+        taken=_share_beside(taken, square, bins) if len(taken) else 0.0,
+    )
+
+
+def _share_beside(taken: NDArray[np.float64], square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
+    """Return the share that bins beside what was taken out have of the power of noise, by squares in bins,
+    both of shape (n,): as the density of the lowest others goes on there."""
+    near = np.any(np.abs(bins[:, np.newaxis] - taken) <= _BESIDE_TAKEN, axis=1)
+    kept = np.flatnonzero(~near & (bins > 0) & (square > 0.0))[:_LOWEST_BINS]
+    if len(kept) < _FEWEST_BINS or not np.any(near):
+        return float(np.mean(near))
+    slope = _slope_within(square[kept], bins[kept])
+    level = float(np.mean(np.log(square[kept]) - slope * np.log(bins[kept]))) + np.euler_gamma
+    beside = float(np.sum(np.exp(level + slope * np.log(np.maximum(bins[near], 1)))))
+    return beside / (beside + float(np.sum(square[~near])))
 
 
 def _quiet(

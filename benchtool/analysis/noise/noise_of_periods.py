@@ -38,6 +38,7 @@ _PARTLY = 0.25  # of the distance between two levels
 _GUARD = 2  # bins beside a line, or dc, from where on they count
 _IMAGE = 0.2  # of sidebands of a ramp, those of its image at the negative frequency, in quadrature to it
 _ONE_LINE_IN = 10  # pairs of sidebands, in which a phase that swings may be
+_MOST_TAKEN = 0.5  # of a power
 _MOST_VARIANCE = 0.5  # of a power, relative: with more, so few differences do not tell it
 
 
@@ -45,6 +46,10 @@ class NoFloor(Enum):
     """Why the noise between harmonics is not known; the value says it to a reader."""
 
     FEW_BINS = "fewer than 8 bins are between harmonics: record longer"
+    TAKEN = (
+        "sinusoids between the harmonics, or a dc that decays, are where the noise is most, and not told "
+        "from it: record longer"
+    )
     FEW_PERIODS = (
         f"the harmonics change, and the differences of fewer than {_FEWEST_PERIODS} periods do not tell a "
         f"step from noise: record longer"
@@ -114,6 +119,8 @@ def without_changes(
     """
     if floor is None:
         return NoFloor.FEW_BINS
+    if floor.taken > _MOST_TAKEN:
+        return NoFloor.TAKEN
     if samples.periods < 3 or samples.per_period < 2 * (_BESIDE + 2):
         return floor
     of_steps = math.sqrt(step**2 / 3.0 / samples.samples)

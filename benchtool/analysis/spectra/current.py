@@ -188,7 +188,7 @@ def _noise(found: Separation, step: float) -> NoiseFloor | NoFloor:
     trend, follows_signal = found.steady.trend, found.track.follows_signal
     has_moved = found.track.departure is not None or trend is not None
     return without_changes(
-        noise_floor(spectrum, has_moved=has_moved, follows_signal=follows_signal),
+        noise_floor(spectrum, has_moved=has_moved, follows_signal=follows_signal, taken=found.places),
         spectrum,
         quiet,
         has_stepped=trend is not None and trend.is_step,

@@ -83,13 +83,18 @@ class Separation:
         return together(self.others, self.close.lines)
 
     @property
+    def places(self) -> Floats:
+        """Where in the spectrum that is, in bins, shape (lines,); a dc that decays is at 0."""
+        if self.taken is None:
+            return np.empty(0)
+        decay = [0.0] if self.taken.start else []
+        return np.array([*decay, *self.taken.places, *(each.by_turns for each in self.taken.moving)])
+
+    @property
     def pulls(self) -> bool:
         """Whether something of that is so near the fundamental that it pulls at the fit of its frequency."""
-        taken = self.taken
-        if taken is None:
-            return False
-        places = np.array([*taken.places, *(each.by_turns for each in taken.moving)])
-        return bool(np.any(np.abs(places - self.coherent.periods) < _NEAR))
+        near = (self.places > 0.0) & (np.abs(self.places - self.coherent.periods) < _NEAR)
+        return bool(np.any(near))
 
     @cached_property
     def rest(self) -> Floats:
