@@ -127,7 +127,7 @@ def noise_floor(
     scatters by about 1 / sqrt(n) (Kendall and Stuart, The Advanced Theory of Statistics, vol. 1, 10.10 and
     14.6).
     """
-    bins = _between(spectrum, first_order, last_order)
+    bins = bins_between(spectrum, first_order, last_order)
     if len(bins) < _FEWEST_BINS:
         return None
     additive, leaked = _additive(spectrum, follows_signal)
@@ -396,7 +396,9 @@ def _guard(spectrum: CoherentSpectrum) -> int:
     return 2 if spectrum.periods >= 4 else 1
 
 
-def _between(spectrum: CoherentSpectrum, first_order: float, last_order: float) -> NDArray[np.int64]:
+def bins_between(
+    spectrum: CoherentSpectrum, first_order: float = 0.0, last_order: float = math.inf
+) -> NDArray[np.int64]:
     """Return the bins between two orders that are no harmonic nor next to one."""
     periods, count = spectrum.periods, len(spectrum.amplitude)
     first = max(0, math.floor(first_order))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
-from benchtool.analysis.distributions import median_of_exponentials, students_deviation
+from benchtool.analysis.distributions import fisher_above, median_of_exponentials, students_deviation
 from benchtool.analysis.noise.noise import bins_around, harmonic_noise
+from benchtool.analysis.noise.noise_by_slope import noise_by_slope
 from benchtool.analysis.statistics.medians import medians
 from benchtool.analysis.statistics.scatter import MeanError
 from benchtool.analysis.uncertainty import Contribution
@@ -26,6 +27,7 @@ _FIRST, _RISEN, _MORE = 2.0, 1.9, 2.0  # times the noise around: by chance one i
 _LESS = 0.25  # likewise, one in a hundred
 _DOF_OF_MEDIAN = 10.0  # of the median of eight squares; of that of many it is their number
 _FEWEST_AROUND = 9  # periods, of which two orders to both sides hold twenty bins
+_RARELY, _VERY_RARELY = 0.1, 1e-4  # by chance, of a ratio of variances
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,23 @@ class LineNoise:
 
 @dataclass(frozen=True)
 class NoiseAround:
-    """Power of one component of the noise around lines, shape (lines,), nan where it is not known, by `dof`
-    degrees of freedom."""
+    """Power of one component of the noise around lines, nan where it is not known, by `dof` degrees of
+    freedom, both of shape (lines,)."""
 
     power: NDArray[np.float64]
-    dof: float
+    dof: NDArray[np.float64]
+
+    def of(self, lines: NDArray[np.bool_]) -> NoiseAround:
+        """Return that of some of the lines."""
+        return NoiseAround(self.power[lines], self.dof[lines])
 
     def of_sum(self, weights: NDArray[np.float64]) -> NoiseAround:
         """Return that of a weighted sum of the lines, weights of shape (lines,)."""
         counted = np.where(weights != 0.0, weights**2 * self.power, 0.0)
-        return replace(self, power=np.atleast_1d(np.sum(counted)))
+        total = float(np.sum(counted))
+        # neighbours share their bins, and tell no more together
+        dof = float(counted @ self.dof) / total if total > 0.0 else 0.0
+        return NoiseAround(np.array([total]), np.array([dof]))
 
     def with_pairs(self, power: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the noise power at lines and its degrees of freedom, shape (lines,), by eight pairs beside
@@ -77,6 +86,23 @@ class NoiseAround:
         dof = _DOF_OF_MEDIAN + self.dof
         both = (_DOF_OF_MEDIAN * middle + self.dof * self.power) / dof
         return np.where(alike, both, noise_at_lines(power)), np.where(alike, dof, 2.0 * PAIRS)
+
+    def with_few_pairs(self, power: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the same by fewer pairs than eight, shape (lines, pairs): pooled with this where neither the
+        first nor all of them have more than chance would give them, and all not far less."""
+        own = 2.0 * power.shape[1]
+        found, dof = noise_at_lines(power), np.full(len(power), own)
+        for line, (around, of_around) in enumerate(zip(self.power, self.dof, strict=True)):
+            if not around > 0.0:
+                continue
+            mean = float(np.mean(power[line]))
+            by_chance = fisher_above(own, of_around, mean / around)
+            first = fisher_above(2.0, of_around, float(power[line, 0]) / around)
+            if min(by_chance, first) > _RARELY and by_chance < 1.0 - _VERY_RARELY:
+                dof[line] = own + of_around
+                both = (own * mean + of_around * around) / dof[line]
+                found[line] = both * _of_few(round(0.5 * dof[line])) ** 2
+        return found, dof
 
 
 @dataclass(frozen=True)
@@ -131,12 +157,18 @@ def noise_around(spectrum: CoherentSpectrum, lines: NDArray[np.int64]) -> NoiseA
     """Return the noise by the bins between harmonics to both sides of lines, shape (lines,); nan where these
     are few, or a line is no harmonic."""
     periods = spectrum.periods
-    found = np.full(len(lines), np.nan)
+    found, dof = np.full(len(lines), np.nan), np.zeros(len(lines))
     are_harmonics = (lines % periods == 0) & (lines > 0)
-    if periods >= _FEWEST_AROUND and np.any(are_harmonics):
-        order = lines[are_harmonics] // periods
+    if not np.any(are_harmonics):
+        return NoiseAround(found, dof)
+    order = lines[are_harmonics] // periods
+    if periods >= _FEWEST_AROUND:
         found[are_harmonics] = harmonic_noise(spectrum, int(np.max(order)))[order - 1] ** 2
-    return NoiseAround(found, float(bins_around(spectrum)))
+        dof[are_harmonics] = bins_around(spectrum)
+    else:
+        power, of_power = noise_by_slope(spectrum, int(np.max(order)))
+        found[are_harmonics], dof[are_harmonics] = power[order - 1], of_power[order - 1]
+    return NoiseAround(found, dof)
 
 
 def hann_quadrature(spectrum: CoherentSpectrum) -> MeanError:
@@ -198,10 +230,12 @@ def noise_of_pairs(
     for count in np.unique(counts[counts > 0]):
         rows = counts == count
         own = square[rows][inside[rows]].reshape(-1, count)
-        if around is None or count < PAIRS:
+        if around is None:
             found[rows] = noise_at_lines(own)
+        elif count < PAIRS:
+            found[rows], dof[rows] = around.of(rows).with_few_pairs(own)
         else:
-            found[rows], dof[rows] = replace(around, power=around.power[rows]).with_pairs(own)
+            found[rows], dof[rows] = around.of(rows).with_pairs(own)
     return NoiseOfPairs(np.sqrt(found), dof)
 
 

@@ -147,7 +147,7 @@ def _beside(samples: Floats, periods: int) -> MeanError:
         found = noise_at_lines(nearest[np.newaxis])
     else:
         of_others = float(np.median(others)) / median_of_exponentials(len(others))
-        around = NoiseAround(np.array([of_others]), float(len(others)))
+        around = NoiseAround(np.array([of_others]), np.array([float(len(others))]))
         found, _ = around.with_pairs(nearest[np.newaxis])
     return MeanError(math.sqrt(float(found[0])), 2.0 * len(nearest))
 
