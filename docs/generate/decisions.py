@@ -224,7 +224,7 @@ SECTIONS: Final = (
         "What the phase of a signal and an angle say of the frequency, from the first row to the last "
         "(`benchtool.analysis.phase`).",
         """
-        0206 0245 0415 0416 0353 0375 0431 0503 0438 0418 0428 0442 0310 0539
+        0206 0245 0549 0415 0416 0353 0375 0431 0503 0438 0418 0428 0442 0310 0539
         """,
     ),
     Section(

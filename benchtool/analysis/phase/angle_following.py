@@ -7,6 +7,7 @@ phase of the fundamental from period to period. Either, taken for the other, mod
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,8 @@ _FEWEST_KNOTS = 5  # of a spline
 _PER_PERIOD, _FINEST = 16, 128  # places at which an angle is followed, in each electrical period
 _ROWS_OF_PART, _STEPS_OF_PART = 8, 16  # at least, between two of more places than the fewest
 _NOISE_OF_PART_RAD = 0.1 * OFF_RAD
+_OF_GAIN = 1.0 / 3.0  # of the power of second differences: a quarter of it is half of that of a mean
+_SURELY, _AS_ONE = 3.0, 35.0 / 9.0  # standard deviations; twice the second differences that overlap, as one
 _OFF_WITHIN_RAD = 0.1 * OFF_RAD  # rms, within periods: sidebands of a fundamental are on small harmonics
 _OF_STEPS = 0.2  # standard deviation of steps that beat with the samples about once in a period
 _HIGHEST_COMPARED = 25
@@ -56,8 +59,8 @@ def along_angle(track: PhaseTrack, samples_per_period: float) -> AngleTracks:
     if track.measured_rad is None or not (track.residual_rad or 0.0) > _OFF_WITHIN_RAD:
         return AngleTracks()
     per_period = _places_per_period(track, track.measured_rad, samples_per_period)
-    number, departure = _means(track, track.measured_rad, max(1, round(samples_per_period / per_period)))
-    whole_number, whole = _means(track, track.measured_rad, max(1, round(samples_per_period)))
+    number, departure = _means(track, track.measured_rad, samples_per_period / per_period)
+    whole_number, whole = _means(track, track.measured_rad, samples_per_period, to_the_end=False)
     of_periods = _departing(track, whole_number, whole, OFF_RAD)
     if len(whole) < _FEWEST_KNOTS:
         return AngleTracks(None, _departing(track, number, departure, OFF_RAD))
@@ -74,6 +77,7 @@ def _places_per_period(
     """Return at how many places in a period the angle is followed: as many as its noise and steps allow.
 
     A mean over a sixteenth of a period has a fifth less of what a rotor does six times in one, as cogging.
+    Where the means differ by no more than noise makes them, half as many have less of it.
     """
     noise_rad = float(np.sqrt(np.mean(np.diff(measured_rad, 2) ** 2) / 6.0))
     places = _PER_PERIOD
@@ -83,7 +87,23 @@ def _places_per_period(
         if rows < _ROWS_OF_PART or is_coarse or noise_rad > _NOISE_OF_PART_RAD * np.sqrt(rows):
             break
         places *= 2
+    while places > 1 and not _tell_more(track, measured_rad, samples_per_period / places, noise_rad):
+        places //= 2
     return places
+
+
+def _tell_more(track: PhaseTrack, measured_rad: NDArray[np.float64], rows: float, noise_rad: float) -> bool:
+    """Return whether means over so many rows show more of the angle than noise, rms of a row, adds to what
+    twice as many rows show: by their second differences, of which white noise has six times its power.
+
+    What is missed between means twice as far apart is half of a second difference, and its power a quarter of
+    that; such means have half of the noise."""
+    _, means = _means(track, measured_rad, rows)
+    if len(means) <= _FEWEST_KNOTS:
+        return True
+    seen2 = float(np.mean(np.diff(means, 2) ** 2)) / 6.0
+    by_chance = _SURELY * math.sqrt(_AS_ONE / len(means))
+    return seen2 > (1.0 + max(_OF_GAIN, by_chance)) * noise_rad**2 / rows
 
 
 def within_periods(without: NDArray[np.complex128], along: NDArray[np.complex128]) -> WithinPeriods:
@@ -134,12 +154,18 @@ def _departing(
 
 
 def _means(
-    track: PhaseTrack, measured_rad: NDArray[np.float64], size: int
+    track: PhaseTrack, measured_rad: NDArray[np.float64], rows: float, *, to_the_end: bool = True
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return middles of parts of `size` samples, and the mean departure of the angle from the track in each,
-    both of shape (parts,)."""
-    count = len(measured_rad) // size
-    number = size * np.arange(count, dtype=np.float64) + 0.5 * (size - 1)
+    """Return middles of parts of the record, and the mean departure of the angle from the track in each, both
+    of shape (parts,): of about so many rows each and as far as the record goes, or of so many each, as where
+    these are a period, of which the record has whole ones and a rest."""
+    count, size = len(measured_rad), max(1, round(rows))
+    if to_the_end:
+        edges = np.round(np.linspace(0.0, count, max(1, round(count / size)) + 1)).astype(np.int64)
+    else:
+        edges = np.arange(0, count + 1, size)
+    counts = np.diff(edges)
+    number = edges[:-1] + 0.5 * (counts - 1.0)
     # of a part in which the speed is constant the mean is the value in the middle
-    means = np.mean(measured_rad[: count * size].reshape(count, size), axis=1)
-    return np.asarray(number), np.asarray(means - track.phase(number), dtype=np.float64)
+    means = np.add.reduceat(measured_rad[: edges[-1]], edges[:-1]) / counts
+    return number, np.asarray(means - track.phase(number), dtype=np.float64)
