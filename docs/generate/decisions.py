@@ -291,7 +291,7 @@ SECTIONS: Final = (
         "The curve through noisy samples, and latency, rise, reach and settling time on it "
         "(`benchtool.analysis.steps`).",
         """
-        0047 0179 0242 0195 0502 0501 0470 0472 0473 0490 0307 0426 0461
+        0047 0179 0242 0195 0502 0501 0470 0472 0473 0490 0546 0307 0426 0461
         0148 0201 0299 0252 0281 0423 0223 0305 0288 0297 0383 0336
         """,
     ),
