@@ -79,6 +79,8 @@ def row_at_rest(curve: Floats, first: int, band: float, noise: float, event: int
     last level, twice that time after the event, and thrice where half of the samples are left; later where
     its tail ends later, and leaves a third of them."""
     end, away = len(curve), away_from_level(curve, first)
+    # a ripple that goes on is no way to the level
+    band = max(band, float(np.max(np.abs(away[end - max(1, (end - first) // 4) :]), initial=0.0)))
     settled = int(np.max(np.flatnonzero(np.abs(away) > band) + 1, initial=0))
     if settled >= end:
         return first

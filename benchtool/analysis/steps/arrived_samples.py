@@ -141,7 +141,7 @@ class ArrivedSamples:
         if on_the_way is not None:
             rms = np.concatenate([on_the_way.rms, np.full(end - max(first, rest), noise.rms)])
         of_course = left_in_course(curve.errors[:, first:end], rms, begin)
-        of_rest = np.ones(end - first) if curve.beside is None else curve.beside[first:end].copy()
+        of_rest = np.ones(end - first) if curve.beside is None else np.minimum(curve.beside[first:end], 1.0)
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * slopes_in_time(curve.values[:end], curve.time_scatter)[:rest]
@@ -273,7 +273,9 @@ class ArrivedSamples:
         larger = self._of_level(deviations, side) if self._is_heavy else 0.0
         # where the largest deviation would make it the greatest, as that mostly is
         open_to = course + np.max(deviations) + larger >= np.median(greatest)
-        is_level = self.at_rest or self._is_heavy
+        # of few rows those at rest draw enough others
+        are_few = np.count_nonzero(open_to) * _FEWEST_SAMPLES <= self.at_rest
+        is_level = self._is_heavy or (self.at_rest and not are_few)
         if self.on_the_way is not None:  # on no level, with noise of its own
             open_to[: len(self.on_the_way.levels)] = False
         if self._has_clicks_alone:

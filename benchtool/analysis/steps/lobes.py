@@ -3,8 +3,9 @@
 Where a lobe is about as high as a band is wide, the curve enters that finally before the lobe or behind it.
 Noise raises the greatest of a lobe, and a draw about the curve, which has the noise already, raises it twice.
 The height of a lobe is therefore that of the parabola through its upper half, of the curve as of a draw; of a
-polynomial of fourth degree where noise is so little that the lobe is seen to be no parabola. The lobe that is
-not chosen is as likely as another record would show it.
+polynomial of fourth degree where noise is so little that the lobe is seen to be no parabola. Where the lobes
+are of one mode, the height of each follows from all of them. The lobe that is not chosen is as likely as
+another record would show it.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.steps.decrement import of_one_mode
 from benchtool.analysis.steps.passages import last_passage
 
 Floats = NDArray[np.float64]
@@ -35,6 +38,16 @@ class Lobe:
     begin: int
     top: int
     end: int
+
+
+@dataclass(frozen=True)
+class Entries:
+    """Where a curve enters a band finally: `expected` of all lobes that may leave that as the last one,
+    behind the `likeliest` of them, and where draws do, shape (draws,), nan where one does not."""
+
+    expected: float
+    likeliest: float
+    drawn: Floats
 
 
 @dataclass(frozen=True)
@@ -57,16 +70,16 @@ class Lobes:
         row = math.ceil(place) - 1
         return max(0, bisect_right(self.lobes, row, key=lambda each: each.begin) - 1)
 
-    def entries(self, place: float, drawn: Floats, errors: Floats, band: float) -> tuple[float, Floats]:
-        """Return where the curve finally enters a band about the level, behind the lobe that is the likeliest
-        to leave that as the last one, and where draws do, shape (draws,).
+    def entries(self, place: float, drawn: Floats, errors: Floats, band: float) -> Entries:
+        """Return where the curve finally enters a band about the level, behind whichever lobe leaves that as
+        the last one.
 
         A `place` and those `drawn`, nan where there is none, are entries of the curve and of draws as they
         are, with these `errors`, shape (draws, n).
         """
         if len(self.lobes) == 1:
-            return place, drawn
-        heights = self._heights_in(errors)
+            return Entries(place, place, drawn)
+        heights = self._of_mode(self._heights_in(errors))
         leaves = heights > band
         leaves[:, 0] = True
         last = leaves.shape[1] - 1 - np.argmax(leaves[:, ::-1], axis=1)
@@ -78,8 +91,9 @@ class Lobes:
         known = drawn[np.isfinite(drawn)].tolist()
         behind = [each - place for each in known if self.at(each) == own] or [0.0]
         moved = place + np.array([later[each] for each in last.tolist()]) + np.resize(behind, len(drawn))
+        expected = place + float(np.mean([later[each] for each in last.tolist()]))
         likeliest = int(np.argmax(np.bincount(last)))
-        return place + later.get(likeliest, 0.0), np.where(np.isnan(drawn), np.nan, moved)
+        return Entries(expected, place + later.get(likeliest, 0.0), np.where(np.isnan(drawn), np.nan, moved))
 
     def _entry(self, lobe: Lobe, band: float, height: float) -> float:
         """Return where the curve enters the band behind a lobe, or would if that were of a height beyond."""
@@ -96,6 +110,28 @@ class Lobes:
         # a lobe is no parabola: of what noise does not raise the greatest is the height
         least = np.abs(self.away[tops]) - _RAISED * np.std(errors[:, tops], axis=0)
         return np.asarray(np.maximum(heights[0], least) + heights[1:] - np.mean(heights[1:], axis=0))
+
+    def _of_mode(self, heights: Floats) -> Floats:
+        """Return heights in draws, shape (draws, lobes), as those of one mode where they are."""
+        successive = self._successive
+        own = np.mean(heights[:, successive], axis=0)
+        found = of_one_mode(own, heights[:, successive] - own)
+        if found is None:
+            return heights
+        heights = heights.copy()
+        heights[:, successive] = found
+        return heights
+
+    @property
+    def _successive(self) -> slice:
+        """Which lobes follow each other behind the first, on either side of the level in turn."""
+        tops = self.away[[each.top for each in self.lobes]]
+        end = 2
+        for before, lobe in pairwise(range(1, len(self.lobes))):
+            if self.lobes[lobe].begin != self.lobes[before].end or tops[lobe] * tops[before] > 0.0:
+                break
+            end += 1
+        return slice(1, end)
 
     def _heights(self, lobe: Lobe, errors: Floats) -> Floats:
         """Return the height of a lobe in each draw, shape (draws,), by least squares.

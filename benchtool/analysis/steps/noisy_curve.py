@@ -412,14 +412,17 @@ class NoisyCurve:
         rings = settled.with_rises(course, away)
         lobes = Lobes.of(rings, self.standard, settled.most_soon)
         entries = places_of(last_passages(drawn, 0.0, band))
-        place, places = lobes.entries(found.place, entries, self.errors, band)
-        instant = Passage(place, found.reach, places).instant
+        entry = lobes.entries(found.place, entries, self.errors, band)
+        instant = Passage(entry.expected, found.reach, entry.drawn).instant
+        instant = replace(instant, likeliest=entry.likeliest)
         # it falls and is there at once, or rises in between and is there later: one is as likely as the other
         later = last_passage(rings, 0.0, band)
-        if later is None or place != found.place or lobes.at(later.place) != lobes.at(place):
+        if later is None or entry.likeliest != found.place or lobes.at(later.place) != lobes.at(found.place):
             return instant
-        of_rise = 0.5 * max(0.0, later.place - place)
-        return replace(instant, place=place + of_rise, standard=math.hypot(instant.standard, of_rise))
+        of_rise = 0.5 * max(0.0, later.place - found.place)
+        place, likeliest = entry.expected + of_rise, entry.likeliest + of_rise
+        standard = math.hypot(instant.standard, of_rise)
+        return replace(instant, place=place, standard=standard, likeliest=likeliest)
 
 
 def _shape(values: Floats, rows: NDArray[np.int64]) -> Floats:

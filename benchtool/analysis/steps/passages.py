@@ -34,13 +34,20 @@ class Instant:
 
     `standard` is infinite where, because of noise, it is unknown whether the level is passed at all;
     `of_rows` is what of it the samples leave open, which noise does not make. `drawn`, shape (draws,), are
-    the places that noise may make of it, nan where none; empty without noise.
+    the places that noise may make of it, nan where none; empty without noise. Where noise leaves open which
+    of several instants far apart it is, `place` is the one expected and `likeliest` one of them.
     """
 
     place: float
     standard: float
     drawn: tuple[float, ...] = ()
     of_rows: float = 0.0
+    likeliest: float | None = None
+
+    @property
+    def at_likeliest(self) -> Instant:
+        """The instant, at the likeliest of several places instead of between them."""
+        return self if self.likeliest is None else replace(self, place=self.likeliest)
 
     @property
     def of_noise(self) -> float:
@@ -66,7 +73,7 @@ class Instant:
         moved = np.random.default_rng(SEED).uniform(-within, within, len(self.drawn))
         drawn = tuple((moved + self.drawn).tolist())
         wider, of_rows = math.hypot(self.standard, standard), math.hypot(self.of_rows, standard)
-        return Instant(self.place, wider, drawn, of_rows)
+        return replace(self, standard=wider, drawn=drawn, of_rows=of_rows)
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ _PART = 5  # the greatest half window is at most this part of what follows the e
 _LAGS = 4  # lags of an autocovariance: this part of its samples
 _MOST_OF_RMS = 2.0  # that noise too slow for a piece has of the rms that it shows
 _CLEARLY_SLOWER = 1.0  # times the variance of a mean by the autocovariance
+_SEED, _RECORDS = 20_261_201, 20  # of normal noise that tell how heavy that looks
 _FEWEST_INNOVATIONS, _HEAVY_TAILED = 50, 3.0  # samples; standard deviations of a normal kurtosis
 _LEAST_DENSITY = 1e-6  # of the greatest
 _ALIKE = 0.5  # of the longest piece: others as long tell of the same slow noise
@@ -388,20 +389,35 @@ def _together(found: list[tuple[Floats, Floats]]) -> Floats:
 def _innovations(covariance: Floats, piece: Floats) -> Floats | None:
     """Return the independent values, of unit variance, that noise of this autocovariance was made of, by its
     whitened spectrum; None where they may be normal ones (sieve bootstrap: Bühlmann, Bernoulli 3 (1997) 123).
+
+    Of noise with a long memory, as that of a line, the ends of a piece are far off, as what is beyond them is
+    missing: they are heavy only if they are more so than those of normal noise.
     """
     count = len(piece)
     if not covariance[0] > 0.0 or count < _FEWEST_INNOVATIONS:
         return None
-    size = next_fast_length(count + len(covariance))
-    white = fft.rfft(without_a_line(piece), size) / np.sqrt(_density(covariance, size))
-    values = np.asarray(fft.irfft(white, size)[:count], dtype=np.float64)
-    values -= np.mean(values)
-    scatter = float(np.std(values))
-    if not scatter > 0.0:  # a piece of one reading, beside another of that noise
+    values = _whitened(without_a_line(piece)[np.newaxis], covariance)[0]
+    if not np.any(values):  # a piece of one reading, beside another of that noise
         return None
-    values /= scatter
-    excess = float(np.mean(values**4)) - 3.0
-    return values if excess > _HEAVY_TAILED * math.sqrt(24.0 / count) else None
+    excess, of_normal = float(np.mean(values**4)) - 3.0, math.sqrt(24.0 / count)
+    if not excess > _HEAVY_TAILED * of_normal:
+        return None
+    drawn = Noise(covariance).draw(np.random.default_rng(_SEED), (_RECORDS, count))
+    others = np.mean(_whitened(drawn, covariance) ** 4, axis=1) - 3.0
+    usual, spread = float(np.mean(others)), max(of_normal, float(np.std(others, ddof=1)))
+    return values if excess > usual + _HEAVY_TAILED * spread else None
+
+
+def _whitened(pieces: Floats, covariance: Floats) -> Floats:
+    """Return pieces of noise of this autocovariance, shape (pieces, n), with a white spectrum, mean zero and
+    unit variance each, where they have any."""
+    count = pieces.shape[1]
+    size = next_fast_length(count + len(covariance))
+    white = fft.rfft(pieces, size, axis=1) / np.sqrt(_density(covariance, size))
+    values = np.asarray(fft.irfft(white, size, axis=1)[:, :count], dtype=np.float64)
+    values -= np.mean(values, axis=1, keepdims=True)
+    scatter = np.std(values, axis=1, keepdims=True)
+    return values / np.where(scatter > 0.0, scatter, 1.0)
 
 
 def _density(covariance: Floats, size: int) -> Floats:

@@ -397,8 +397,9 @@ STEP: Final = Analysis(
             ("settling_time",),
             "s",
             "until the curve stays within `max(2 % of height, 5 x its standard uncertainty)` of `final`; the "
-            "definition states the width. Of two lobes as high as that the likelier one is the last outside. "
-            "Of a pulse that is after its fall, and the time that the reference was held is included",
+            "definition states the width. Where noise leaves open which lobe is the last outside, it is the "
+            "instant that is expected. Of a pulse that is after its fall, and the time that the reference "
+            "was held is included",
         ),
         Quantity(
             ("overshoot",),
@@ -428,8 +429,8 @@ STEP: Final = Analysis(
         Quantity(
             ("tracking_error_mean", "tracking_error_rms", "tracking_error_max"),
             _OF_SIGNAL,
-            "of signal minus reference, sample by sample, from `settling_time` to the end; `_max` is the "
-            "greatest magnitude",
+            "of signal minus reference, sample by sample, from `settling_time` to the end, or from behind "
+            "the likeliest of several lobes that may be the last outside; `_max` is the greatest magnitude",
         ),
     ),
     settings=StepSettings,

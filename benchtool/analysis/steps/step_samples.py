@@ -67,6 +67,8 @@ def tracking_numbers(
 ) -> Iterator[Measurement]:
     """Yield the numbers of the error after settling, with a `drift` or without."""
     undefined = partial(Measurement.undefined, unit=step.unit, basis=step.basis)
+    if settled is not None:  # between two lobes it has settled behind neither
+        settled = settled.at_likeliest
     left = 0 if settled is None else len(step.y) - math.ceil(settled.place)
     if settled is None or left < 2 or not math.isfinite(settled.standard):
         reason = "it does not settle" if left < 2 else UNDECIDED

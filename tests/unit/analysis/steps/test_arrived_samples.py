@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchtool.analysis.steps.arrival import row_at_rest
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.passages import Instant
@@ -106,6 +107,30 @@ def test_the_greatest_of_normal_noise_scatters_as_such_extremes_do() -> None:
     scatter = np.std([np.max(random.standard_normal(ROWS)) for _ in range(400)]) * NOISE
     found = [_standard(_samples(_noisy(seed)).of_greatest()) for seed in range(10)]
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(scatter, rel=0.25)
+
+
+def test_the_least_of_few_rows_on_the_way_scatters_as_the_noise_at_rest_does() -> None:
+    """A ripple makes one of a few rows the least: those at rest tell by how much that differs."""
+    random = np.random.default_rng(15)
+    row = np.arange(3000)
+    course = 1.0 - np.exp(-row / TAU) - 0.05 * np.exp(-((row - 150.0) ** 2) / 6000.0)
+    curve = NoisyCurve(course, np.empty((0, len(row))))
+    least, standard = [], []
+    for _ in range(40):
+        ripple = 0.02 * np.cos(0.46 * row + random.uniform(0.0, 2.0 * np.pi))
+        values = course + ripple + 3.0 * NOISE * random.standard_normal(len(row))
+        found = ArrivedSamples.of(values, curve, Instant(110.0, 0.0), 0.02, Noise(np.zeros(1)), 0.0)
+        least.append(float(np.min(found.values)))
+        standard.append(_standard(found.of_least()))
+    assert 0.6 < np.std(least) / np.median(standard) < 1.4
+
+
+def test_a_ripple_beyond_the_band_comes_to_rest() -> None:
+    """All that has arrived, with its way, was taken to be at rest, and the way for noise."""
+    ripple = 0.03 * np.cos(0.05 * np.arange(ROWS))
+    assert row_at_rest(COURSE + ripple, 78, 0.02, 0.02, 0) > 100
+    assert row_at_rest(COURSE + ripple, 78, 0.05, 0.02, 0) > 100
+    assert row_at_rest(COURSE, 78, 0.02, 1e-4, 0) > 100
 
 
 def test_noise_that_moves_the_first_row_moves_the_samples_there_as_much() -> None:

@@ -19,6 +19,19 @@ def test_a_piece_of_one_reading_beside_a_short_one_has_normal_noise() -> None:
     assert found.innovations is None
 
 
+def test_a_line_in_noise_is_not_heavy_at_the_ends_of_its_piece() -> None:
+    """Its memory is longer than the piece: whitened, the first and the last samples are far off."""
+    random = np.random.default_rng(8)
+    row = np.arange(1400)
+    lines = [
+        0.02 * np.cos(0.46 * row + random.uniform(0.0, 2.0 * np.pi)) + 0.002 * random.standard_normal(1400)
+        for _ in range(20)
+    ]
+    assert sum(Noise.of(each).innovations is not None for each in lines) <= 4
+    heavy = [random.standard_t(4, 1400) for _ in range(20)]
+    assert sum(Noise.of(each).innovations is not None for each in heavy) == 20
+
+
 def counted(speed: np.ndarray) -> np.ndarray:
     """Return how many counts come in each row, of a shaft that turns by so many."""
     return np.diff(np.floor(np.concatenate([[0.4], 0.4 + np.cumsum(speed)])))
