@@ -101,6 +101,24 @@ def sums_of(
     return sums[visited], products[visited]
 
 
+def coefficients_of_all(
+    coverage: AngleCoverage, weights: NDArray[np.float64], values: NDArray[np.float64], order: int
+) -> NDArray[np.complex128]:
+    """Return the coefficients of orders 1 to `order` of many signals at the same angles, shape (signals, n):
+    shape (signals, order), for little more than those of one take."""
+    sums = np.zeros(2 * order + 1, dtype=np.complex128)
+    products = np.zeros((len(values), order + 1), dtype=np.complex128)
+    powers = np.empty((2 * order + 1, _PIECE), dtype=np.complex128)
+    for begin in range(0, len(weights), _PIECE):
+        piece = slice(begin, min(begin + _PIECE, len(weights)))
+        filled = powers[:, : piece.stop - begin]
+        _raise(np.exp(-1j * coverage.angle_rad[piece]), filled)
+        sums += filled @ weights[piece]
+        products += (weights[piece] * values[:, piece]) @ filled[: order + 1].T
+    equations = Equations.of(sums[np.newaxis], products, order)
+    return equations.moved_by(equations.right.T)[order + 1 :].T
+
+
 def _raise(base: NDArray[np.complex128], powers: NDArray[np.complex128]) -> None:
     """Fill `powers`, shape (count, n), with powers 0 to `count` - 1, each the product of two known ones."""
     powers[0] = 1.0

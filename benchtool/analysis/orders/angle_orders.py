@@ -12,6 +12,7 @@ from benchtool.analysis.orders.angle import TURN, AngleCoverage
 from benchtool.analysis.orders.angle_equations import (
     MOST_GROUPS,
     Equations,
+    coefficients_of_all,
     groups_of,
     is_well_conditioned,
     sums_of,
@@ -89,12 +90,8 @@ def fit_orders(
         AnalysisError: not finite, constant, or the samples do not determine even order 1.
     """
     require_signal(values, name)
-    cell = coverage.revolution * _SECTORS
-    cell += np.floor(np.mod(coverage.angle_rad, TURN) * (_SECTORS / TURN)).astype(np.int64) % _SECTORS
-    _, place, visits = np.unique(cell, return_inverse=True, return_counts=True)
-    weights = 1.0 / visits[place]
-    weights /= weights.sum()
-    order = min(highest_order, len(visits) // (2 * _CELLS_PER_UNKNOWN), _resolved(coverage))
+    weights, cells = _weights(coverage)
+    order = min(highest_order, cells // (2 * _CELLS_PER_UNKNOWN), _resolved(coverage))
     if coverage.revolutions < _FEWEST_REVOLUTIONS:
         # with orders k and N - k of N rows a revolution a fit takes along all noise that is between them
         order = min(order, max(1, int(_USABLE_BAND * len(values) / coverage.revolutions)))
@@ -120,6 +117,25 @@ def fit_orders(
         spread.dof,
         solved.on_a_course,
     )
+
+
+def amplitudes_of_all(
+    coverage: AngleCoverage, values: NDArray[np.float64], orders: int
+) -> NDArray[np.float64]:
+    """Return the peak amplitudes of orders 1 to `orders`, as many as are fitted, of many signals at these
+    angles, shape (signals, n), that have no courses: shape (signals, orders)."""
+    weights, _ = _weights(coverage)
+    return 2.0 * np.abs(coefficients_of_all(coverage, weights, values, orders))
+
+
+def _weights(coverage: AngleCoverage) -> tuple[NDArray[np.float64], int]:
+    """Return weights of samples, shape (n,), the same in sum for every degree of every revolution, and how
+    many of these are visited."""
+    cell = coverage.revolution * _SECTORS
+    cell += np.floor(np.mod(coverage.angle_rad, TURN) * (_SECTORS / TURN)).astype(np.int64) % _SECTORS
+    _, place, visits = np.unique(cell, return_inverse=True, return_counts=True)
+    weights = 1.0 / visits[place]
+    return weights / weights.sum(), len(visits)
 
 
 @dataclass(frozen=True)

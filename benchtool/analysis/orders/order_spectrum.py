@@ -29,11 +29,12 @@ from benchtool.analysis.orders.angle import (
     unwrapped_angle,
 )
 from benchtool.analysis.orders.angle_orders import AngleFit, fit_orders
+from benchtool.analysis.orders.counted_orders import rounding_by_angle, rounding_by_time, without_rounding
 from benchtool.analysis.orders.order_courses import of_levels, without_courses
 from benchtool.analysis.orders.stated_speed import speed_of_record
 from benchtool.analysis.orders.wobble import Wobble, repeated_wobble_rad
 from benchtool.analysis.periods import PhaseTrack, track_angle
-from benchtool.analysis.quantisation.counted_speed import relative_to_rounding
+from benchtool.analysis.quantisation.counted_angle import CountedAngle, counted_angle
 from benchtool.analysis.quantisation.repeated_steps import repeated_steps
 from benchtool.analysis.quantisation.resolution import counting_step, level_of
 from benchtool.analysis.spectra.modulation import PeriodsInTime
@@ -124,19 +125,17 @@ class OrderSpectrum:
 class Revolutions:
     """Channels at equal steps of a smooth track of the rotor's angle, over the same whole revolutions.
 
-    The angle as it was read, `read_rad`, shape (rows,), is off `track` by `wobble`; there is none where the
-    speed was stated and not measured.
+    The angle as it was read is off `track` by `wobble`; there is none where the speed was stated.
     """
 
     track: PhaseTrack
     wobble: Wobble
     samples: Mapping[str, CoherentSamples]
-    read_rad: NDArray[np.float64] | None = None
 
     @property
     def stated(self) -> bool:
         """Whether the speed was stated."""
-        return self.read_rad is None
+        return self.track.measured_rad is None
 
 
 def angle_of(block: Block, angle: str = "theta_m") -> NDArray[np.float64]:
@@ -178,8 +177,16 @@ def revolutions_of(
     rows = np.arange(track.samples, dtype=np.float64)
     forwards_rad = theta_m if theta_m[-1] > theta_m[0] else -theta_m
     repeated_rad = repeated_wobble_rad(forwards_rad, forwards_rad - track.at(rows))
-    along = _along(block, channels, track, Wobble(rms_rad, repeated_rad))
-    return replace(along, read_rad=np.ascontiguousarray(block.column(angle)))
+    return _along(block, channels, track, Wobble(rms_rad, repeated_rad))
+
+
+def counted_of(block: Block, channel: str, angle_rad: NDArray[np.float64]) -> CountedAngle | None:
+    """Return the counts of an angle without jumps, shape (n,), of which a channel is computed; None where it
+    is not."""
+    if block.unit(channel) != "rad/s":
+        return None
+    times = block.ticks().astype(np.float64)
+    return counted_angle(angle_rad, block.column(channel), times, block.sample_rate_Hz)
 
 
 def _along(block: Block, channels: Iterable[str], track: PhaseTrack, wobble: Wobble) -> Revolutions:
@@ -254,11 +261,15 @@ def _orders_on(block: Block, channel: str, along: Revolutions) -> OrderSpectrum:
     noise = line_noise(spectrum, orders * turns)
     amplitude = spectrum.amplitude[orders * turns]
     step = counting_step(samples)
-    steps = converter_steps(spectrum, step, level=level_of(samples, step))
-    by_steps = repeated_quantisation(spectrum, steps)[0][:count]
-    if along.read_rad is not None and block.unit(channel) == "rad/s":
-        per_turn = spectrum.samples / turns
-        by_steps *= relative_to_rounding(step, along.read_rad, block.sample_rate_Hz, per_turn, orders)
+    counted = None if track.measured_rad is None else counted_of(block, channel, track.measured_rad)
+    if counted is not None:
+        step = counted.step
+        by_steps = rounding_by_time(counted, coherent, track, orders)
+        moves, _ = without_courses(without_rounding(counted, coherent, track), HIGHEST_ORDER, in_time)
+        noise = line_noise(moves, orders * turns)
+    else:
+        steps = converter_steps(spectrum, step, level=level_of(samples, step))
+        by_steps = repeated_quantisation(spectrum, steps)[0][:count]
     largest = int(np.argmax(amplitude)) if count else 0
     resampling = np.array(
         [
@@ -312,6 +323,7 @@ def fitted_orders(
     angle: str = "theta_m",
     basis: Basis | None = None,
     wobble: Wobble | None = None,
+    counted: CountedAngle | None = None,
 ) -> OrderSpectrum:
     """Return the orders of samples taken at any times, by angle alone: see `angle_orders.fit_orders`.
 
@@ -321,6 +333,7 @@ def fitted_orders(
         signal, unit, angle: names for the definitions.
         basis: what is known of the samples; window and highest order are filled in.
         wobble: what may be an error of the angle itself.
+        counted: the counts of the angle that a speed was computed of, from `counted_of`.
 
     Raises:
         AnalysisError: not finite, constant, or an arc of the circle is left out.
@@ -340,30 +353,35 @@ def fitted_orders(
     # values are averaged over a step of the angle, which lowers them by this factor
     low = np.sinc(order * coverage.resolution_rad / TURN)
     amplitude = 2.0 * np.abs(fit.coefficient) / low
-    by_steps = _repeated_steps(fit, values, coverage) / low
+    step, spread = counting_step(values), fit
+    if counted is None:
+        by_steps = _repeated_steps(fit, values, coverage) / low
+    else:
+        step, by_steps = counted.step, rounding_by_angle(counted, coverage, count) / low
+        spread = fit_orders(coverage, values - counted.added(), count, signal)
     basis = basis or Basis(len(values))
     wobble = wobble or Wobble()
     about = f"{wobble.rms_rad:.2g} rad rms of wobble"
     lost, beside = wobble.lost(amplitude), wobble.beside(amplitude)
-    wanders2 = np.maximum(0.0, fit.standard**2 - fit.noise**2) / low**2
+    wanders2 = np.maximum(0.0, spread.standard**2 - spread.noise**2) / low**2
     others = np.sqrt(by_steps**2 + wanders2 + lost**2 + beside**2)
-    dof = fit.noise_dof
+    noise, dof = spread.noise / low, spread.noise_dof
     return OrderSpectrum(
         signal=signal,
         unit=unit,
         order=order,
         amplitude=amplitude,
-        standard=np.hypot(_of_student(fit.noise / low, dof), others),
+        standard=np.hypot(_of_student(noise, dof), others),
         others=others,
         mean=fit.mean,
         revolutions=coverage.revolutions,
         method=method,
-        uncertainty_source=f"{fit.uncertainty_source}, resolution, and {about}",
+        uncertainty_source=f"{spread.uncertainty_source}, resolution, and {about}",
         dof=dof,
-        stands_out_above=_explained(fit.noise / low, dof, others),
+        stands_out_above=_explained(noise, dof, others),
         lost=lost,
         beside=beside,
-        step=counting_step(values),
+        step=step,
         basis=replace(
             basis,
             window=f"by angle, {coverage.revolutions:.4g} mechanical revolutions",

@@ -34,6 +34,7 @@ from benchtool.analysis.orders.order_spectrum import (
     OrderSpectrum,
     Revolutions,
     angle_of,
+    counted_of,
     fitted_orders,
     resampled_orders,
     revolutions_of,
@@ -166,7 +167,10 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
     if np.any(lost):
         block = block.without(lost)
     times = block.ticks().astype(np.float64)
-    coverage = angle_coverage(without_counts(angle_of(block, angle), times), angle)
+    angle_rad = angle_of(block, angle)
+    counted = counted_of(block, channel, angle_rad)
+    angle_rad = without_counts(angle_rad, times) if counted is None else counted.angle_rad
+    coverage = angle_coverage(angle_rad, angle)
     if few := few_revolutions(coverage.angle_rad, angle, FEWEST_REVOLUTIONS):
         raise AnalysisError(few)
     step_rad = max(coverage.resolution_rad, least_step_rad(block.column(angle)))
@@ -188,9 +192,8 @@ def _by_angle(block: Block, channel: str, angle: str) -> OrderSpectrum:
         else:
             if source.is_sensor:
                 return source.with_what_is_told(smooth)
-    fitted = fitted_orders(
-        coverage, block.column(channel), channel, block.unit(channel), angle, basis, wobble
-    )
+    values, unit = np.ascontiguousarray(block.column(channel)), block.unit(channel)
+    fitted = fitted_orders(coverage, values, channel, unit, angle, basis, wobble, counted)
     return source.with_what_is_told(fitted)
 
 

@@ -19,10 +19,6 @@ from benchtool.analysis.quantisation.counted_line import least_spread
 Floats = NDArray[np.float64]
 
 _WHOLE = 0.01  # of a count
-_LOOKED_AT = 4093  # angles, hardly at the same place of all revolutions
-_HARMONICS = 30  # of a rounding, beyond which it has 2 % of its power
-_ROWS = tuple(range(16, 0, -1))  # over which a difference is taken; of a half of a count all are whole, too
-_ARE_WHOLE = 0.9  # of one, which is the length of the mean of directions that are all the same
 _OFF = 1.5  # counts by which a counter is off a line, one by itself and the rest by a shaft that shakes
 _MOST = 0.55  # counts: half of one, and a tenth more
 _BY_CHANCE = 0.6  # of the deviation of a sum: one in 10^5 wanders by no more (Kuiper's distribution)
@@ -39,36 +35,6 @@ def covariance_of_counts(step: float) -> Floats:
     """Return the autocovariance of readings about the speed, at lags 0 and 1: that of a difference of two
     positions, each anywhere within its count."""
     return step**2 * np.array([1.0 / 6.0, -1.0 / 12.0])
-
-
-def relative_to_rounding(
-    step: float, angle_rad: Floats, rate_Hz: float, rows_per_turn: float, orders: NDArray[np.int64]
-) -> Floats:
-    """Return the error that repeats in every revolution, at orders of it, shape (orders,), relative to that
-    of readings which are rounded to `step` each by itself, where they are what an angle, shape (n,), has come
-    over m rows: 2 |sin(pi m f)|, f the cycles in a row; one where they are not.
-
-    The angle then is a whole number of counts of m step / rate. What of its rounding repeats in no revolution
-    is noise beside the orders.
-    """
-    last = len(angle_rad) - 1
-    few = angle_rad[np.linspace(0.0, last, min(last + 1, _LOOKED_AT)).astype(np.int64)]
-    for rows in _ROWS if step > 0.0 else ():
-        count_rad = rows * step / rate_Hz
-        if abs(np.mean(np.exp(2j * np.pi * few / count_rad))) > _ARE_WHOLE:
-            turns = max(2, round(len(angle_rad) / rows_per_turn))
-            repeats = math.sqrt(_repeating(2.0 * math.pi / count_rad, rows_per_turn, turns))
-            return np.asarray(repeats * 2.0 * np.abs(np.sin(np.pi * rows * orders / rows_per_turn)))
-    return np.ones(len(orders))
-
-
-def _repeating(counts: float, rows_per_turn: float, turns: int) -> float:
-    """Return the share of the power of a rounding to so many counts in a revolution that repeats in all
-    turns: that of the harmonics of its Fourier series which rows fold to whole orders."""
-    number = np.arange(1, _HARMONICS + 1)
-    folded = rows_per_turn * np.round(number * counts / rows_per_turn)
-    share = np.sinc(turns * (folded - np.round(folded))) ** 2
-    return float(np.sum(share / number**2) / np.sum(1.0 / number**2))
 
 
 def most_of_counts(step: float) -> float:

@@ -9,7 +9,6 @@ from benchtool.analysis.quantisation.counted_speed import (
     covariance_of_counts,
     is_counted,
     most_of_counts,
-    relative_to_rounding,
 )
 
 STEP = 0.25
@@ -60,35 +59,3 @@ def test_what_counts_are_off_adds_up_to_no_more_than_that_of_one() -> None:
     assert np.mean(off**2) == pytest.approx(at_zero, rel=0.1)
     assert np.mean(off[:, 1:] * off[:, :-1]) == pytest.approx(behind, rel=0.15)
     assert np.max(np.std(off, axis=1)) <= most_of_counts(STEP)
-
-
-@pytest.mark.parametrize("rows", [1, 2, 5])
-def test_what_one_reading_has_too_much_the_next_has_too_little(rows: int) -> None:
-    """Errors of differences at each order, of a shaft that passes as many counts in every revolution, against
-    those of a converter of the same steps."""
-    random, rate_Hz, per_turn, turns, counts = np.random.default_rng(5), 1000.0, 500, 12, 4096
-    count_rad = 2.0 * np.pi / counts
-    step = count_rad * rate_Hz / rows
-    orders = np.arange(1, per_turn // 2)
-    swing = np.interp(np.arange(per_turn), np.linspace(0, per_turn, 33), random.uniform(0.0, 9.0, 33))
-    each = counts / per_turn * np.arange(per_turn) + swing
-    place = np.concatenate([counts * turn + each for turn in range(turns)])
-    powers = []
-    for offset in random.uniform(size=80):
-        errors = np.floor(place + offset) - place - offset
-        made = (errors[rows:] - errors[:-rows]) / rows * count_rad * rate_Hz
-        powers.append(np.abs(np.fft.fft(made[:per_turn])[orders]) ** 2 / per_turn)
-    angle_rad = np.asarray(np.floor(place) * count_rad)
-    relative = relative_to_rounding(step, angle_rad, rate_Hz, float(per_turn), orders)
-    power = np.mean(powers, axis=0) / (step**2 / 12.0)
-    for band in np.array_split(np.arange(len(orders)), 4):
-        assert np.mean(power[band]) == pytest.approx(np.mean(relative[band] ** 2), rel=0.25)
-    # of other places in each revolution the rounding is noise
-    unlike = relative_to_rounding(step, angle_rad, rate_Hz, per_turn + 0.4142, orders)
-    assert np.max(unlike) < 0.2 * np.max(relative)
-
-
-def test_readings_beside_an_angle_that_is_not_theirs_are_rounded_each_by_itself() -> None:
-    angle_rad = np.cumsum(np.random.default_rng(6).uniform(0.0, 0.01, 5000))
-    for step in (0.0, 0.2):
-        assert np.all(relative_to_rounding(step, angle_rad, 1000.0, 100.0, np.arange(1, 9)) == 1.0)
