@@ -16,8 +16,8 @@ ROWS = 8
 def record(shaft: Shaft, seed: int, digits: type = np.float64, has_gap: bool = False) -> Block:
     """Return angle and speed by its differences, computed in numbers of so many digits."""
     read_rad = shaft.read_rad(shaft.angle_rad(np.random.default_rng(seed)))
-    angle = np.mod(read_rad, 2.0 * np.pi).astype(digits)
-    speed = difference(np.unwrap(angle).astype(digits), ROWS).astype(digits)
+    angle: np.ndarray = np.mod(read_rad, 2.0 * np.pi).astype(digits)
+    speed: np.ndarray = difference(np.unwrap(angle).astype(digits), ROWS).astype(digits)
     angle = angle[ROWS:]
     units = {"theta_m": "rad", "omega_m": "rad/s"}
     block = Block.from_arrays(RATE_HZ, units, theta_m=angle, omega_m=speed)

@@ -119,7 +119,8 @@ def test_cogging_six_times_in_a_period_is_followed_to_its_size(swing_rad: float)
 def test_the_noise_of_an_angle_is_not_followed_and_its_swing_is_to_the_end(swing_rad: float) -> None:
     """Of 12.4 periods, means over sixteenths had 4 mrad of noise, and the rest behind the last whole part was
     up to 0.07 rad off."""
-    ends_rad, inner_rad = [], []
+    ends_rad: list[float] = []
+    inner_rad: list[float] = []
     for seed in range(12):
         random, place = np.random.default_rng(seed), np.linspace(0.0, 1.0, 3853)
         theta_e = 2.0 * np.pi * (12.4 * place + random.uniform())
