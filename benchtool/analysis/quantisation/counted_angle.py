@@ -34,8 +34,9 @@ class CountedAngle:
     over so many `rows`.
 
     `places` are those of the motion at the times the counts were read at, shape (times,), in counts, but for
-    what it `shakes` by, rms, and `at` the times between which each speed is, the later first, shape (2, n).
-    `angle_rad` is the motion itself at each row, shape (n,).
+    what it `shakes` by and what the `edges` of the counts are off even places, both rms; `at` are the times
+    between which each speed is, the later first, shape (2, n). `angle_rad` is the motion itself at each row,
+    shape (n,).
     """
 
     count_rad: float
@@ -43,6 +44,7 @@ class CountedAngle:
     step: float
     places: Floats
     shakes: float
+    edges: float
     at: NDArray[np.int64]
     angle_rad: Floats
 
@@ -51,11 +53,18 @@ class CountedAngle:
         return np.asarray(self._added(np.array([_COUNTS_BEGIN]))[0])
 
     def may_add(self) -> Iterator[Floats]:
-        """Yield what it adds where counts begin at other places, evenly distributed: some of them at a time,
-        shape (places, n)."""
+        """Yield what it adds where counts begin at other places, evenly distributed, and edges are off by
+        others: some of them at a time, shape (places, n)."""
+        random = np.random.default_rng(0)
+        edge = np.mod(np.floor(self.places), round(2.0 * math.pi / self.count_rad)).astype(np.int64)
+        edge = np.unique(edge, return_inverse=True)[1]
         places = (np.arange(_PLACES) + 0.5) / _PLACES
         for some in np.split(places, _PLACES // _TOGETHER):
-            yield self._added(some)
+            added = self._added(some)
+            if self.edges > 0.0:
+                off = self.edges * random.standard_normal((len(some), int(edge.max()) + 1))[:, edge]
+                added += self.step * (off[:, self.at[0]] - off[:, self.at[1]])
+            yield added
 
     def _added(self, levels: Floats) -> Floats:
         off = error_of_steps(self.places, 1.0, self.shakes, levels[:, np.newaxis])
@@ -117,4 +126,5 @@ def _followed(
     read_at, at = np.unique(ends, return_inverse=True)
     places = motion.at(read_at, count_rad * np.interp(read_at, times, counts))
     followed_rad = angle_rad[0] + count_rad * motion.at(times, count_rad * counts)
-    return CountedAngle(count_rad, rows, step, places, motion.shakes, at.reshape(ends.shape), followed_rad)
+    at = at.reshape(ends.shape)
+    return CountedAngle(count_rad, rows, step, places, motion.shakes, motion.edges, at, followed_rad)

@@ -25,10 +25,12 @@ _PIECES = 1, 4, 16, 64, 256  # of a spline over the time
 _DEGREE = 3
 _FEWEST_PER_PIECE = 8  # rows
 _FOLLOWED = 2e-3  # share of the rows that are in another count
+_NEARLY_FOLLOWED = 0.3  # likewise, where what is left is no course that more pieces follow
 _CLEARLY_LESS = 0.9  # times as many: of a shaft that shakes, more pieces follow some of that
 _STANDS_OUT = 3.0  # times the rms of noise: by chance one of 200 orders in 40 records
 _NEAR_LARGEST = 0.3  # of the largest: less may be made by its lack
 _ROUNDS = 40
+_FEWEST_EDGES, _MOST_EDGES = 16, 1 << 22
 _RIDGE = 1e-9  # relative: splines of many pieces follow low orders, too
 _VARIES = 0.01  # of the speed, rms
 _NEARLY_STANDS = 0.2  # of the mean speed
@@ -43,7 +45,8 @@ class CountedMotion:
     `orders` of the angle, a row each, as of `_columns`.
 
     `elsewhere` is the share of the rows that it has in another count than was read, `shakes` the rms, in
-    counts, of what it does not follow from row to row.
+    counts, of what it does not follow from row to row, and `edges` the part of it that is the same whenever
+    a count comes round: those of the encoder are as far off even places.
     """
 
     knots: Floats
@@ -53,6 +56,7 @@ class CountedMotion:
     varies: bool
     elsewhere: float
     shakes: float
+    edges: float
 
     def at(self, times: Floats, angle_rad: Floats) -> Floats:
         """Return its places at times and angles, shape (n,), in counts."""
@@ -75,17 +79,20 @@ def motion_behind(counts: Floats, times: Floats, count_rad: float) -> CountedMot
     counts, times = counts[few], times[few]
     carriers = np.exp(1j * np.outer(count_rad * counts, np.arange(1, _HIGHEST_ORDER + 1)))
     rungs = [each for each in _PIECES if each == 1 or each * _FEWEST_PER_PIECE <= len(times)]
-    best = _followed(counts, times, carriers, rungs[0])
+    per_turn = round(2.0 * math.pi / count_rad)
+    best = _followed(counts, times, carriers, rungs[0], per_turn)
     for pieces in rungs[1:]:
         if best.elsewhere < _FOLLOWED:
             break
-        found = _followed(counts, times, carriers, pieces)
-        if found.elsewhere < _CLEARLY_LESS * best.elsewhere:
-            best = found
+        found = _followed(counts, times, carriers, pieces, per_turn)
+        is_better = found.elsewhere < _CLEARLY_LESS * best.elsewhere
+        if not is_better and best.elsewhere < _NEARLY_FOLLOWED:
+            break
+        best = found if is_better else best
     return best
 
 
-def _followed(counts: Floats, times: Floats, carriers: Complex, pieces: int) -> CountedMotion:
+def _followed(counts: Floats, times: Floats, carriers: Complex, pieces: int, per_turn: int) -> CountedMotion:
     """Return the motion with a spline of so many pieces, and of orders as long as some stand out of what
     counts it is off by."""
     from scipy.interpolate import BSpline
@@ -119,6 +126,7 @@ def _followed(counts: Floats, times: Floats, carriers: Complex, pieces: int) -> 
         slowness is not None,
         elsewhere,
         shakes,
+        _of_edges(counts, np.floor(table @ found), per_turn),
     )
 
 
@@ -135,6 +143,27 @@ def _into_counts(counts: Floats, table: Floats, found: Floats) -> tuple[Floats, 
             break
         found = found + fit(off)
     return kept, least
+
+
+def _of_edges(counts: Floats, expected: Floats, per_turn: int) -> float:
+    """Return the rms, in counts, by which edges are off even places: whole counts, shape (n,), differ from
+    those `expected` in a share of the rows that is an edge's own, alike in both halves of a record."""
+    if per_turn > _MOST_EDGES:
+        return 0.0
+    edge = np.mod(np.maximum(counts, expected), per_turn).astype(np.int64)
+    half = len(counts) // 2
+    rows = np.stack([np.bincount(each, minlength=per_turn) for each in (edge[:half], edge[half:])])
+    off = [
+        np.bincount(edge[part], (counts - expected)[part], per_turn)
+        for part in (slice(0, half), slice(half, None))
+    ]
+    are_twice = np.min(rows, axis=0) > 0
+    if np.count_nonzero(are_twice) < _FEWEST_EDGES:
+        return 0.0
+    product = np.prod(np.stack(off)[:, are_twice] / rows[:, are_twice], axis=0)
+    square = float(np.mean(product))
+    by_chance = float(np.std(product)) / math.sqrt(len(product))
+    return math.sqrt(square) if square > _STANDS_OUT * by_chance else 0.0
 
 
 def _fit_of(table: Floats) -> Callable[[Floats], Floats]:

@@ -44,3 +44,16 @@ def test_a_shaft_that_shakes_is_followed_but_for_that() -> None:
     motion = motion_behind(counts, np.arange(len(counts), dtype=np.float64), COUNT_RAD)
     assert off_by(motion, counts, places) < 0.03
     assert motion.shakes == pytest.approx(0.3, rel=0.1)
+    assert motion.edges < 0.1
+
+
+def test_edges_that_are_off_are_told_from_a_shaft_that_shakes() -> None:
+    random, shaft = np.random.default_rng(3), Shaft(counts=2048)
+    places = shaft.angle_rad(random) / shaft.count_rad
+    edges = (
+        np.arange(-2.0, 15.0 * shaft.counts)
+        + 0.1 * np.tile(random.standard_normal(shaft.counts), 16)[: 15 * shaft.counts + 2]
+    )
+    counts = np.searchsorted(np.sort(edges), places).astype(np.float64)
+    motion = motion_behind(counts, np.arange(len(counts), dtype=np.float64), shaft.count_rad)
+    assert motion.edges == pytest.approx(0.1, rel=0.3)
