@@ -276,7 +276,7 @@ SECTIONS: Final = (
         "When a level is known well enough that a step has numbers, and from when on a signal is at rest "
         "(`benchtool.analysis.steps`).",
         """
-        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533
+        0098 0308 0298 0225 0250 0390 0392 0212 0420 0533 0501 0502
         0274 0309 0381 0499 0484 0523 0488 0437
         """,
     ),
@@ -292,7 +292,7 @@ SECTIONS: Final = (
         "The curve through noisy samples, and latency, rise, reach and settling time on it "
         "(`benchtool.analysis.steps`).",
         """
-        0047 0179 0242 0195 0502 0501 0470 0472 0473 0490 0546 0307 0426 0461
+        0047 0179 0242 0195 0470 0472 0473 0490 0546 0307 0426 0461
         0148 0201 0299 0252 0281 0423 0223 0305 0288 0297 0383 0336
         """,
     ),
