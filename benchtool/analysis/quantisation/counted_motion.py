@@ -36,7 +36,7 @@ _VARIES = 0.01  # of the speed, rms
 _NEARLY_STANDS = 0.2  # of the mean speed
 _ROUNDING = 1.0 / math.sqrt(12.0)  # of a count: the deviation of what lies anywhere in it
 _OF_MEAN_SIZE = math.sqrt(0.5 * math.pi)  # rms of a normal distribution over the mean of its size
-_SHAKES = 0.1  # share of rows in another count up to which that is the mean size, in counts, of what is left
+_SHAKES = 0.1  # share of rows in another count up to which that is the mean size of the rest, in counts
 
 
 @dataclass(frozen=True)

@@ -143,8 +143,8 @@ class Course:
 class MeanOverPeriods:
     """Mean of a series without what its incomplete period and the incomplete cycles of its slow lines make of
     it, and its error by what is `left` without these `lines`, shape (n,), and without the `course` of few
-    constants that the means of the periods have besides, if they have one; of what is left of these means,
-    `deviation` is the rms."""
+    constants that the means of the periods have besides, if they have one; these means deviate from both by
+    the rms `deviation`."""
 
     left: Floats
     mean: float
@@ -161,9 +161,9 @@ class MeanOverPeriods:
 
     @property
     def of_slow_noise(self) -> float:
-        """Standard deviation of the mean square of what is left of the means, if its memory is exponential:
-        over a time T noise of the autocorrelation R(t) has that of its mean from 2/T times the integral of R,
-        and the variance of its mean square is 4/T times that of R^2."""
+        """Standard deviation of the mean square of what the means deviate by, if its memory is exponential: over
+        a time T noise of the autocorrelation R(t) has a mean of the variance 2/T times the integral of R, and
+        a mean square of the variance 4/T times that of R^2."""
         return self.deviation * self.error.standard
 
     @property
