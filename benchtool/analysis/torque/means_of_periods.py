@@ -161,9 +161,9 @@ class MeanOverPeriods:
 
     @property
     def of_slow_noise(self) -> float:
-        """Standard deviation of the mean square of what the means deviate by, if its memory is exponential: over
-        a time T noise of the autocorrelation R(t) has a mean of the variance 2/T times the integral of R, and
-        a mean square of the variance 4/T times that of R^2."""
+        """Standard deviation of the mean square of what the means deviate by, if its memory is exponential:
+        over a time T noise of the autocorrelation R(t) has a mean of the variance 2/T times the integral of
+        R, and a mean square of the variance 4/T times that of R^2."""
         return self.deviation * self.error.standard
 
     @property
