@@ -16,7 +16,9 @@ from benchtool.analysis.noise.noise_over_time import ONE_LEVEL, NoiseOverTime, n
 from benchtool.analysis.statistics.medians import MEDIAN_OF_RMS, median, medians
 from benchtool.analysis.statistics.scatter import MeanError
 
-_FEWEST_BINS = 8
+FEWEST_BINS = 8
+"""Fewest bins between harmonics that tell a noise."""
+
 _LOCAL_BINS = 20  # at least, around each harmonic
 _BAND_BINS = 16
 _CLEARLY = 6.0  # a ratio of variances, of 16 degrees of freedom each: by chance once in two thousand
@@ -128,7 +130,7 @@ def noise_floor(
     14.6).
     """
     bins = bins_between(spectrum, first_order, last_order)
-    if len(bins) < _FEWEST_BINS:
+    if len(bins) < FEWEST_BINS:
         return None
     additive, leaked = _additive(spectrum, follows_signal)
     square = additive[bins]
@@ -174,9 +176,9 @@ def _share_beside(taken: NDArray[np.float64], square: NDArray[np.float64], bins:
     both of shape (n,): as the density of the lowest others goes on there."""
     near = np.any(np.abs(bins[:, np.newaxis] - taken) <= _BESIDE_TAKEN, axis=1)
     kept = np.flatnonzero(~near & (bins > 0) & (square > 0.0))[:_LOWEST_BINS]
-    if len(kept) < _FEWEST_BINS or not np.any(near):
+    if len(kept) < FEWEST_BINS or not np.any(near):
         return float(np.mean(near))
-    slope = _slope_within(square[kept], bins[kept])
+    slope = slope_within(square[kept], bins[kept])
     level = float(np.mean(np.log(square[kept]) - slope * np.log(bins[kept]))) + np.euler_gamma
     beside = float(np.sum(np.exp(level + slope * np.log(np.maximum(bins[near], 1)))))
     return beside / (beside + float(np.sum(square[~near])))
@@ -287,23 +289,23 @@ def sidebands(
 def followed_bins(in_phase: NDArray[np.float64], quadrature: NDArray[np.float64]) -> int:
     """Return how many bins to either side of the fundamental have clearly less in quadrature than in phase:
     up to the first few of which half is there."""
-    count = len(in_phase) // _FEWEST_BINS
+    count = len(in_phase) // FEWEST_BINS
     if not count:
         return 0
     kept, whole = (
-        np.sum(each[: count * _FEWEST_BINS].reshape(count, -1), axis=1) for each in (quadrature, in_phase)
+        np.sum(each[: count * FEWEST_BINS].reshape(count, -1), axis=1) for each in (quadrature, in_phase)
     )
     if _CLEARLY * kept[0] >= whole[0]:
         return 0
     recovers = np.flatnonzero(2.0 * kept >= whole)
-    return _FEWEST_BINS * int(recovers[0] if len(recovers) else count)
+    return FEWEST_BINS * int(recovers[0] if len(recovers) else count)
 
 
 def _slopes(square: NDArray[np.float64], bins: NDArray[np.int64], bands: list[slice]) -> list[float]:
     """Return the exponent of frequency with which the density changes in each band, by the medians of those
     around, or by its own bins where there is no other."""
     if len(bands) == 1:
-        return [_slope_within(square, bins)]
+        return [slope_within(square, bins)]
     # where a density rises or falls all through a band, its median is that of the bin in the middle
     centre = np.log([float(bins[(each.start + each.stop) // 2]) for each in bands])
     with np.errstate(divide="ignore"):
@@ -322,11 +324,11 @@ def _slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
     return float(about @ y) / float(about @ about)
 
 
-def _slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
+def slope_within(square: NDArray[np.float64], bins: NDArray[np.int64]) -> float:
     """Return the exponent of frequency with which squares, shape (n,), in bins change; 0 where it may be
     chance."""
     seen = (square > 0.0) & (bins > 0)
-    if np.count_nonzero(seen) < _FEWEST_BINS:
+    if np.count_nonzero(seen) < FEWEST_BINS:
         return 0.0
     place = np.log(bins[seen])
     slope = _slope(place, np.log(square[seen]))
@@ -358,7 +360,7 @@ def harmonic_noise(spectrum: CoherentSpectrum, orders: int) -> NDArray[np.float6
     bins = (periods * around[:, :, np.newaxis] + within).reshape(orders, -1)
     inside = (bins > 0) & (bins < len(spectrum.amplitude))
     counts, middle = np.count_nonzero(inside, axis=1), np.full(orders, np.nan)
-    for count in np.unique(counts[counts >= _FEWEST_BINS]):
+    for count in np.unique(counts[counts >= FEWEST_BINS]):
         rows = counts == count
         amplitude = spectrum.amplitude[bins[rows][inside[rows]]].reshape(-1, count)
         middle[rows] = medians(amplitude)

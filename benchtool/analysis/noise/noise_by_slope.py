@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from benchtool.analysis.coherent.spectrum import CoherentSpectrum
 from benchtool.analysis.distributions import median_of_exponentials
-from benchtool.analysis.noise.noise import bins_between
+from benchtool.analysis.noise.noise import FEWEST_BINS, bins_between, slope_within
 from benchtool.analysis.statistics.medians import medians
 
 Floats = NDArray[np.float64]
 
-_AROUND, _FEWEST = 20, 8  # bins
-_OF_LOGARITHM, _SURELY = math.pi / math.sqrt(6.0), 2.0  # deviation of that of an exponential; standard errors
+_AROUND = 20  # bins
 _DOF_OF_BIN = 2.0 * math.log(2.0) ** 2  # of a median of exponentials, whose variance is 1 / (n log(2)^2)
 
 
@@ -30,7 +29,7 @@ def noise_by_slope(spectrum: CoherentSpectrum, orders: int) -> tuple[Floats, Flo
     between = bins_between(spectrum)
     between = between[(between > 0) & (spectrum.amplitude[between] > 0.0)]
     count = min(_AROUND, len(between))
-    if count < _FEWEST:
+    if count < FEWEST_BINS:
         return np.full(orders, np.nan), np.zeros(orders)
     lines = spectrum.periods * np.arange(1, orders + 1)
     first = np.clip(np.searchsorted(between, lines) - count // 2, 0, len(between) - count)
@@ -40,8 +39,7 @@ def noise_by_slope(spectrum: CoherentSpectrum, orders: int) -> tuple[Floats, Flo
     about = place - centre[:, np.newaxis]
     width2 = np.sum(about**2, axis=1)
     square = np.square(spectrum.amplitude[around])
-    slope = np.sum(about * np.log(square), axis=1) / width2
-    slope = np.where(np.abs(slope) * np.sqrt(width2) > _SURELY * _OF_LOGARITHM, slope, 0.0)
+    slope = np.array([slope_within(*each) for each in zip(square, around, strict=True)])
     away = np.log(lines) - centre
     level = medians(square * np.exp(-slope[:, np.newaxis] * about)) / median_of_exponentials(count)
     dof = _DOF_OF_BIN * count / (1.0 + count * away**2 / width2)

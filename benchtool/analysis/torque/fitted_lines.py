@@ -171,18 +171,11 @@ def lines_between_harmonics(
 def _of_orders(rest: Floats, cycles: Floats) -> Floats:
     """Return those of cycles over the record, shape (orders,), at which lines stand out, at most so many of
     the largest."""
-    bins = _windowed(rest)
-    size, below = np.abs(bins), np.floor(cycles).astype(np.int64)
-    peaks = below + (size[below + 1] > size[below])
-    is_top = (size[peaks] > size[peaks - 1]) & (size[peaks] >= size[peaks + 1])
-    peaks, cycles = peaks[is_top], cycles[is_top]
-    largest = np.argsort(-size[peaks])[:_MOST_ORDERS]
-    found = [surrounded(bins, size, int(peak)) for peak in peaks[largest]]
-    stands_out = [
-        each.amplitude > _STANDS_OUT * each.noise and abs(each.place - of_order) < _OF_ORDER
-        for each, of_order in zip(found, cycles[largest], strict=True)
-    ]
-    return np.asarray(cycles[largest][np.array(stands_out, dtype=np.bool_)])
+    if not len(cycles):
+        return cycles
+    size, below = np.abs(_windowed(rest)), np.floor(cycles).astype(np.int64)
+    places = _highest(rest, below + (size[below + 1] > size[below]), _MOST_ORDERS)
+    return np.asarray(cycles[np.any(np.abs(cycles[:, np.newaxis] - places) < _OF_ORDER, axis=1)])
 
 
 def _are_told(samples: Floats, periods: int) -> bool:

@@ -202,7 +202,7 @@ def mean_over_periods(
     if followed is not None and lines is not None:  # which are its lines too
         own = slow_lines(followed, place[:last], len(repeats), repeats.per_revolution)
         followed = followed if own is None else followed - own.at(place[:last])
-    beside = _BesideLines(series, repeats, left, lines, followed, pooled, may_fall)
+    beside = _BesideLines(series, repeats, place, left, lines, followed, pooled, may_fall)
     over_periods = beside.mean(None)
     between = lines_between_harmonics(left[:last], place[:last], len(repeats), repeats.per_revolution)
     if between is not None:
@@ -225,11 +225,12 @@ def mean_over_periods(
 
 @dataclass(frozen=True)
 class _BesideLines:
-    """A series, shape (n,), of which slow lines leave so much; what it follows, shape (rows,), has its noise
-    as well."""
+    """A series at places, shape (n,), of which slow lines leave so much; what it follows, shape (rows,), has
+    its noise as well."""
 
     series: Floats
     repeats: Periods
+    place: Floats
     left: Floats
     lines: FittedLines | None
     followed: Floats | None
@@ -238,9 +239,8 @@ class _BesideLines:
 
     def mean(self, between: FittedLines | None) -> MeanOverPeriods:
         """Return its mean, without lines between the harmonics as well."""
-        series, repeats = self.series, self.repeats
-        last, place = int(repeats.rows[-1]), repeats.places(len(series))
-        told = len(repeats.told(series))
+        series, repeats, place = self.series, self.repeats, self.place
+        last, told = int(repeats.rows[-1]), len(repeats.told(series))
         alike = self.left if between is None else self.left - between.at(place)
         of_cycles, of_mean = 0.0, 1.0
         for each in filter(None, (self.lines, between)):
