@@ -249,7 +249,7 @@ SECTIONS: Final = (
         "The largest lines of a torque or current: whether they are one line, steady, and above the noise "
         "(`benchtool.analysis.lines`).",
         """
-        0220 0226 0277 0303 0379 0385 0395 0404 0454 0483
+        0220 0226 0277 0303 0379 0385 0395 0404 0550 0454 0483
         """,
     ),
     Section(

@@ -206,8 +206,8 @@ def _beside(
     fundamental = float(np.abs(around[0, reach]))
     along_phase = partial(kernel_along_phase, reach=reach, count=count)
     # one that begins at some phases, or is about 1.45 bins away, moves the phase to and fro alone
-    if moves < _SURELY and index == 0 and _are_of_line(movements, fundamental, along_phase):
-        moves = 1.0
+    if moves < _SURELY and index == 0:
+        moves = max(moves, _share_by_all(movements, fundamental, along_phase))
     if moves < _LEAST_SHARE:
         return None
     best = _best_fit(movements, fundamental, along_phase)
@@ -229,13 +229,25 @@ def _beside(
     return replace(line, transformed=fft.fft(line.tone.at(course)) / count)
 
 
-def _are_of_line(
+def _share_by_all(
     movements: Sequence[Movement], fundamental: float, kernel: Callable[[float, float], Kernel]
-) -> bool:
-    """Return whether one line explains all that moves a harmonic, and that is far more than noise,
-    whatever moves others is taken off it."""
-    fits = (LineFit.of(each, fundamental, kernel) for each in movements)
-    return all(each.explained > _CLEARLY and not each.is_ill for each in fits)
+) -> float:
+    """Return the probability that one line explains all that moves the fundamental, where that is far more
+    than noise; 0 where it is not.
+
+    The others tell whether they have its amplitude in common. Where they are too small for that, it is a line
+    or an amplitude and a phase that each move by themselves, as is the rule.
+    """
+    fits = [LineFit.of(each, fundamental, kernel) for each in movements]
+    if all(each.explained > _CLEARLY and not each.is_ill for each in fits):
+        return 1.0
+    alone = min(movements, key=lambda each: each.of_amplitude2)
+    with_others = [each for each in movements if each.phase is alone.phase and each is not alone]
+    fit = fits[movements.index(alone)]
+    if fit.is_ill or not fit.explained > _CLEARLY:
+        return 0.0
+    both = alone.both_by_themselves(fit.scale) + sum(map(alone.in_common, with_others))
+    return fit.share_of_lines(both, 1.0 / _BEFORE)
 
 
 def _best_fit(

@@ -83,19 +83,38 @@ class Movement:
 
     def by_itself(self, scale: float) -> float:
         """Return the logarithm of the likelihood of a phase that moves by itself, with the noise `scale`
-        times as large: evenly, or along a parabola, whose bins are real and imaginary, or both, and besides
-        slowly more than fast; each by any amount, in the logarithm, or not at all."""
-        order = np.arange(1.0, self.reach + 1.0)
-        rise = 1.0 + (_COURSES[:, np.newaxis] / order) ** 2
-        noise2 = scale * self.of_phase2 * rise
-        likely = -np.sum(np.abs(self.phase) ** 2 / noise2 + np.log(rise), axis=1)
-        for part, course in ((self.phase.real, 1.0 / order), (self.phase.imag, 1.0 / order**2)):
-            explained = (part * course / noise2).sum(axis=1) ** 2 / (course**2 / noise2).sum(axis=1)
-            any_size = 0.5 * np.log(math.pi / np.maximum(explained, 1.0)) - math.log(2.0 * SIZES)
-            likely += np.logaddexp(0.0, np.minimum(0.0, any_size) + explained) - math.log(2.0)
-        most = float(np.max(likely))
-        mean = most + math.log(float(_WEIGHTS @ np.exp(likely - most)))
-        return mean - self.chi2_of_amplitude / scale
+        times as large."""
+        return _of_course(self.phase, scale * self.of_phase2) - self.chi2_of_amplitude / scale
+
+    def both_by_themselves(self, scale: float) -> float:
+        """Return that of an amplitude and a phase that each move by themselves."""
+        of_amplitude = _of_course(1j * self.amplitude, scale * self.of_amplitude2)
+        return of_amplitude + _of_course(self.phase, scale * self.of_phase2)
+
+    def in_common(self, without: Movement) -> float:
+        """Return by how much, as a logarithm, the amplitude of the others is more likely where this amplitude
+        is that of all than where it is of this harmonic alone; `without` is this movement without theirs."""
+        of_others, of_others2 = self.amplitude - without.amplitude, without.of_amplitude2 - self.of_amplitude2
+        if not of_others2 > 0.0:
+            return 0.0
+        apart = np.abs(without.amplitude) ** 2 / without.of_amplitude2 - np.abs(of_others) ** 2 / of_others2
+        return -float(np.sum(apart))
+
+
+def _of_course(moved: Complex, noise2: float) -> float:
+    """Return the logarithm of the likelihood of what moves a phase, shape (reach,), or an amplitude, times j,
+    in noise of this mean square: evenly, or along a parabola, whose bins are real and imaginary, or both, and
+    besides slowly more than fast; each by any amount, in the logarithm, or not at all."""
+    order = np.arange(1.0, len(moved) + 1.0)
+    rise = 1.0 + (_COURSES[:, np.newaxis] / order) ** 2
+    risen2 = noise2 * rise
+    likely = -np.sum(np.abs(moved) ** 2 / risen2 + np.log(rise), axis=1)
+    for part, course in ((moved.real, 1.0 / order), (moved.imag, 1.0 / order**2)):
+        explained = (part * course / risen2).sum(axis=1) ** 2 / (course**2 / risen2).sum(axis=1)
+        any_size = 0.5 * np.log(math.pi / np.maximum(explained, 1.0)) - math.log(2.0 * SIZES)
+        likely += np.logaddexp(0.0, np.minimum(0.0, any_size) + explained) - math.log(2.0)
+    most = float(np.max(likely))
+    return most + math.log(float(_WEIGHTS @ np.exp(likely - most)))
 
 
 def movements_of(around: Complex, floor2: Floats, index: int, number: int) -> list[Movement]:

@@ -72,6 +72,29 @@ def test_a_line_beside_a_harmonic_is_told_with_its_distance(order: int, bins: fl
     assert abs(found.phasors[nearest]) == pytest.approx(size, rel=0.1)
 
 
+def test_a_line_that_hardly_turns_the_fundamental_is_told_by_its_amplitude_where_harmonics_do_not() -> None:
+    """At some phases a line moves the phase to and fro alone, and harmonics in noise hardly tell whether the
+    amplitude is one that all have in common."""
+    for seed in range(8):
+        signal = current(np.random.default_rng(seed), 5e-3) + beside(1, 0.65, 5e-3, 0.25 * np.pi * seed)
+        found = found_in(signal)
+        assert found is not None
+        nearest = int(np.argmax(np.abs(found.phasors)))
+        assert found.places[nearest] - 40.0 == pytest.approx(0.65, abs=0.1)
+        assert abs(found.phasors[nearest]) == pytest.approx(5e-3, rel=0.15)
+
+
+def test_an_amplitude_that_moves_is_no_line_where_harmonics_do_not_tell() -> None:
+    share = ROW / len(ROW)
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        swing = 1e-3 * np.cos(2.0 * np.pi * 1.6 * share + random.uniform(0.0, 2.0 * np.pi))
+        for course in (2e-3 * (share - 0.5), 8e-3 * (share - 0.5) ** 2, 3e-3 * np.exp(-share / 0.3), swing):
+            noise = 1e-3 * random.standard_normal(len(ROW))
+            found = found_in(current(random, 0.0) * (1.0 + course) + noise)
+            assert found is None or np.all(np.abs(found.phasors) < 2e-4)
+
+
 def test_what_all_harmonics_do_alike_is_no_line() -> None:
     random, time = np.random.default_rng(5), ROW / len(ROW)
     turned = 2e-3 * np.sin(2.0 * np.pi * 0.4 * time)

@@ -130,3 +130,23 @@ def test_what_a_phase_that_moves_evenly_costs_is_that_its_size_is_not_known() ->
         evenly = 0.5 * math.log(math.pi / squares) - math.log(4.0 * SIZES)  # or not at all
         no_parabola = math.log(0.5 * (1.0 + math.sqrt(math.pi) / (2.0 * SIZES)))
         assert movement.by_itself(1.0) == pytest.approx(evenly + no_parabola + math.log(0.5), abs=0.1)
+
+
+def test_an_amplitude_that_moves_by_itself_is_as_likely_as_a_phase_that_does() -> None:
+    none = np.zeros(REACH, dtype=np.complex128)
+    of_phase = (0.01 / ORDER).astype(np.complex128)
+    of_amplitude = np.multiply(-1j, of_phase, dtype=np.complex128)
+    one = Movement(1.0 + 0j, 40, none, of_phase, 1e-8, 1e-8)
+    other = Movement(1.0 + 0j, 40, of_amplitude, none, 1e-8, 1e-8)
+    assert other.both_by_themselves(1.0) == pytest.approx(one.both_by_themselves(1.0))
+    assert other.both_by_themselves(1.0) > other.by_itself(1.0) + 1e3
+
+
+@pytest.mark.parametrize("is_common", [True, False])
+def test_harmonics_tell_whether_an_amplitude_is_that_of_all(is_common: bool) -> None:
+    random, course, noise2 = np.random.default_rng(2), 0.01 / ORDER.astype(np.complex128), 1e-6
+    own, others = course + 1e-5 * noise(random, REACH), is_common * course + 1e-3 * noise(random, REACH)
+    alone = Movement(1.0 + 0j, 40, own, own, 1e-10, 1e-8)
+    without = Movement(1.0 + 0j, 40, own - others, own, 1e-10 + noise2, 1e-8)
+    assert (alone.in_common(without) > 30.0) is is_common
+    assert alone.in_common(alone) == 0.0
