@@ -232,7 +232,7 @@ SECTIONS: Final = (
         "The uncertainty of harmonics by what is around the lines, and sinusoids that are taken out "
         "(`benchtool.analysis.spectra`).",
         """
-        0147 0159 0548 0188 0446 0273 0318 0272 0276 0486 0411 0412 0464 0469 0528 0530 0440 0441 0421 0542
+        0147 0159 0548 0188 0446 0273 0318 0272 0276 0550 0486 0411 0412 0464 0469 0528 0530 0440 0441 0421 0542
         0327
         """,
     ),
@@ -249,7 +249,7 @@ SECTIONS: Final = (
         "The largest lines of a torque or current: whether they are one line, steady, and above the noise "
         "(`benchtool.analysis.lines`).",
         """
-        0220 0226 0277 0303 0379 0385 0395 0404 0550 0454 0483
+        0220 0226 0277 0303 0379 0385 0395 0404 0454 0483
         """,
     ),
     Section(
