@@ -51,6 +51,8 @@ _FAR = 3.0  # standard deviations by which a value may be greater
 _STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
 _OF_TAIL, _OF_HEAVY_TAIL = 40, 10  # one sample in so many is of the tail, or of one known to be heavy
 _LARGEST = 20  # deviations that tell whether both tails are alike
+_OF_COURSE = 0.5  # at least, of what noise makes of its product: of few rows it is not told from noise
+_OF_LEFT = 10  # draws of what noise leaves in a course, over which its square is averaged
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
 _OF_SHAPE = 0.4  # of that, where noise hides the steps, whose distribution is not known
@@ -69,6 +71,7 @@ class ArrivedSamples:
     `added` to the mean square at rest. Of shape (n,) are
     `of_course`, the standard deviation of what noise has left in the course, `of_rest`, how much of the noise
     that leaves about it, and `of_times`, the standard deviation of each value because its time is not known.
+    `left_in_course`, shape (draws, n), is what noise may have left in it, 0 at rest.
     `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and `shares` how
     likely each is. A few `clicks` of the record may be in any of its rows.
     """
@@ -77,6 +80,7 @@ class ArrivedSamples:
     first: int
     course: Floats
     of_course: Floats
+    left_in_course: Floats
     of_rest: Floats
     of_times: Floats
     rows: NDArray[np.int64]
@@ -143,6 +147,8 @@ class ArrivedSamples:
         of_course = left_in_course(curve.errors[:, first:end], rms, begin)
         of_rest = np.ones(end - first) if curve.beside is None else np.minimum(curve.beside[first:end], 1.0)
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
+        of_noise = curve.errors[:_OF_LEFT, first:end].copy()
+        of_noise[:, rest - first :] = 0.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * slopes_in_time(curve.values[:end], curve.time_scatter)[:rest]
         places = np.clip(np.ceil(places_to_begin(begin)), 0, max(0, end - 1)).astype(np.int64)
@@ -155,6 +161,7 @@ class ArrivedSamples:
             first=first,
             course=course[first:],
             of_course=of_course,
+            left_in_course=of_noise,
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
@@ -213,18 +220,10 @@ class ArrivedSamples:
         rms = self.rms
         if not rms > 0.0:
             return _combined([], self._of_rows(self.rows, _rms), _UNIFORM * self.step)
-        moving = len(self.values) - (self.at_rest if self._is_level else 0)
-        weights = self.course[: len(self.values) - self.at_rest] / (rms * len(self.values))
-        # what moves the instant leaves the samples there at the level that it is defined by
-        of_sum = self.noise.of_sum_after_first if self.is_moved_by_noise else self.noise.of_sum
-        on_the_way = of_sum(self.course[:moving] / (rms * len(self.values)))
-        if self.on_the_way is not None:
-            power = self.on_the_way.of_sum_of_squares() / (2.0 * rms * len(self.values))
-            on_the_way = math.hypot(self.on_the_way.of_sum(weights), power)
         of_power = self._of_power(rms)
         noise = [
             of_power,
-            Contribution(_ON_THE_WAY, "A", on_the_way),
+            Contribution(_ON_THE_WAY, "A", self._of_rms_on_the_way(rms)),
             Contribution(_TIMES, "A", self._of_times(rms)),
         ]
         if far := self._of_one_far(rms, of_power.standard):
@@ -262,6 +261,27 @@ class ArrivedSamples:
         error = error_of_record(squares)
         standard = error.standard if math.isfinite(error.standard) else float(np.std(squares))
         return Contribution(name, "A", self._share * standard / (2.0 * rms), error.dof)
+
+    def _of_rms_on_the_way(self, rms: float) -> float:
+        """Return what noise makes of the root mean square by the course, without what the noise that is left
+        in the course would make of it: with itself it is a power, and no product."""
+        scale = rms * len(self.values)
+        if self.on_the_way is not None:
+            way = slice(len(self.values) - self.at_rest)
+            power = self.on_the_way.of_sum_of_squares() / (2.0 * scale)
+            return math.hypot(self._of_product(self.on_the_way.of_sum, way) / scale, power)
+        # what moves the instant leaves the samples there at the level that it is defined by
+        of_sum = self.noise.of_sum_after_first if self.is_moved_by_noise else self.noise.of_sum
+        return (
+            self._of_product(of_sum, slice(len(self.values) - (self.at_rest if self._is_level else 0)))
+            / scale
+        )
+
+    def _of_product(self, of_sum: Callable[[Floats], float], rows: slice) -> float:
+        """Return the standard deviation of the sum of noise times the course in some rows."""
+        product, of_noise = of_sum(self.course[rows]), self.left_in_course[:, rows]
+        left = float(np.mean([of_sum(each) ** 2 for each in of_noise])) if len(of_noise) else 0.0
+        return max(_OF_COURSE * product, math.sqrt(max(0.0, product**2 - left)))
 
     def _scatter_of_greatest(self, side: Side) -> float:
         again = side(self._drawn_again)
