@@ -20,7 +20,7 @@ _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _PLACES = 32  # in which an instant may be, each as likely
 _OF_INTERQUARTILE = 1.349  # normal standard deviations
 _BETWEEN_DRAWS = 1.06  # standard deviations, over the fifth root of the number of draws (Silverman's rule)
-_BEYOND = np.array(equally_likely(16))  # standard deviations about each draw
+_BEYOND = np.array(equally_likely(64))  # standard deviations about each draw
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 
 

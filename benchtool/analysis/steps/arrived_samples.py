@@ -34,7 +34,7 @@ from benchtool.analysis.steps.bursts import LOUD
 from benchtool.analysis.steps.converter_levels import left_beside_a_line, left_on_a_course
 from benchtool.analysis.steps.noisy_curve import NoisyCurve, left_of_steps
 from benchtool.analysis.steps.passages import Instant
-from benchtool.analysis.steps.slopes import Slope
+from benchtool.analysis.steps.slopes import Slope, are_along_a_line
 from benchtool.analysis.steps.smoothing import Noise, UnevenNoise, without_a_line
 from benchtool.analysis.steps.tails import Tail
 from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined_by_names
@@ -51,7 +51,7 @@ _FAR = 3.0  # standard deviations by which a value may be greater
 _STEEPER = 2.0  # times the slope after an instant: that before it, where it is on no edge
 _OF_TAIL, _OF_HEAVY_TAIL = 40, 10  # one sample in so many is of the tail, or of one known to be heavy
 _LARGEST = 20  # deviations that tell whether both tails are alike
-_OF_COURSE = 0.5  # at least, of what noise makes of its product: of few rows it is not told from noise
+_OF_COURSE = 0.3  # at least, of what noise makes of its product: of few rows it is not told from noise
 _OF_LEFT = 10  # draws of what noise leaves in a course, over which its square is averaged
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _OF_SQUARE = 1.0 / math.sqrt(80.0)  # rms of the square of a uniform error within a half to either side
@@ -112,7 +112,8 @@ class ArrivedSamples:
 
         They are at rest long after the smooth `curve` has entered a `band` about its last level for good. If
         these are enough, their noise stands for `noise`, that of samples at rest elsewhere; where a `drift`
-        goes on in them, they are about a line, and where the slowest tail of the answer does, about that.
+        goes on in them, or none is certain before and they show one by themselves, they are about a line, and
+        where the slowest tail of the answer goes on, about that.
         `step` is that of a converter, 0 without one.
         """
         end = len(samples)
@@ -123,6 +124,8 @@ class ArrivedSamples:
             along = row_at_rest(course - drift.value * np.arange(end), first, band, noise.rms, event)
             if drift.goes_on_in(samples[along:]):
                 rest, drifts = along, True
+        else:
+            drifts = are_along_a_line(samples[rest:])
         noise_alone, added = noise_beside(noise.rms**2, step), 0.0
         if end - rest < _FEWEST_SAMPLES:
             rest = end

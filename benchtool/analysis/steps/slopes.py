@@ -8,14 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchtool.analysis.statistics.lowest_frequencies import slow_noise
 from benchtool.analysis.statistics.straight_lines import places_about_middle, slope_weights
-from benchtool.analysis.steps.smoothing import Noise
+from benchtool.analysis.steps.smoothing import Noise, without_a_line
 
 Floats = NDArray[np.float64]
 
 _SIGMAS = 3.5  # standard uncertainties of a slope that noise alone hardly ever has
 _AT_REST = 5.0  # likewise, of one after the signal has settled
 _AGREES = 3.0  # standard uncertainties between both, at most, of one drift
+_ALONE, _RISES = 10.0, 0.7  # likewise, of one that none before it tells; octaves that slow noise rises by
 _FEWEST = 20  # samples of a slope
 
 
@@ -57,6 +59,17 @@ class Slope:
         """Return whether samples at rest, shape (n,), have it too; the slope of slow noise does not go on."""
         later = Slope.of(samples)
         return later is not None and later.is_certain_at_rest and later.is_like(self)
+
+
+def are_along_a_line(samples: Floats) -> bool:
+    """Return whether samples at rest, shape (n,), show by themselves that they drift evenly: noise of those
+    about a line hardly ever has their slope, and rises as little towards zero frequency as white noise. That
+    of a walk, of jumps and of an answer that creeps bends, and rises."""
+    slope = Slope.of(samples)
+    if slope is None or not abs(slope.value) > _ALONE * slope.standard:
+        return False
+    noise = slow_noise(without_a_line(samples))
+    return noise is not None and noise.rise < _RISES
 
 
 def without_drift(before: Floats, at_rest: Floats) -> tuple[Floats, Floats]:

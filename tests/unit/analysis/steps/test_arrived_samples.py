@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis.steps.arrival import row_at_rest
+from benchtool.analysis.distributions import normal_below
+from benchtool.analysis.steps.arrival import places_to_begin, row_at_rest
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.passages import Instant
@@ -178,3 +179,39 @@ def test_clicks_on_one_side_may_be_on_the_other_in_the_next_record() -> None:
     skewed = COURSE + NOISE * np.random.default_rng(5).standard_exponential(ROWS)
     found = _samples(skewed)
     assert _standard(found.of_least()) < 0.5 * _standard(found.of_greatest())
+
+
+def test_a_ripple_that_is_left_in_the_course_makes_no_product_with_itself() -> None:
+    """The course that is found has a third of the ripple; the error of the mean square is that of the course
+    without."""
+    random, row = np.random.default_rng(31), np.arange(ROWS)
+    phases = random.uniform(0.0, 2.0 * np.pi, (12, 1))
+    ripples = 0.02 * np.cos(0.46 * row + phases)
+    course = 1.0 - COURSE  # as the error against a reference
+    begin = Instant(ARRIVED.place, 0.1, tuple((ARRIVED.place + 0.1 * random.standard_normal(80)).tolist()))
+    errors, stated = [], []
+    for number, ripple in enumerate(ripples):
+        others = np.roll(ripples, -number, axis=0)[1:] / 3.0
+        noise = Noise.of(ripple + NOISE * random.standard_normal(ROWS))
+        values = course + ripple + NOISE * random.standard_normal(ROWS)
+        curve = NoisyCurve(course + ripple / 3.0, others)
+        found = ArrivedSamples.of(values, curve, begin, 0.02, noise, 0.0)
+        arrived = row >= ARRIVED.place
+        truth = math.sqrt(float(np.mean(course[arrived] ** 2)) + 0.02**2 / 2.0 + NOISE**2)
+        stated.append(_standard(found.of_rms()))
+        errors.append((found.rms - truth) / stated[-1])
+    assert np.median(stated) < 2e-4  # 4.7e-4 with what the ripple makes of itself
+    assert 0.2 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_an_instant_may_be_beyond_the_outermost_of_few_draws() -> None:
+    random = np.random.default_rng(32)
+    normal = random.standard_normal(80)
+    begin = Instant(214.07, 0.03, tuple((214.0 + 0.03 * normal).tolist()))
+    places = places_to_begin(begin)
+    assert np.mean(places) == pytest.approx(214.07, abs=0.01)
+    assert np.std(places) == pytest.approx(0.03 * np.std(normal), rel=0.1)
+    of_normal = normal_below(-0.07 / (0.03 * np.std(normal)))
+    assert 0.2 * of_normal < np.mean(places < 214.0) < 2.0 * of_normal
+    same = places_to_begin(Instant(3.5, 0.1, (3.5,) * 80))
+    assert np.all(same == 3.5)
