@@ -232,8 +232,8 @@ SECTIONS: Final = (
         "The uncertainty of harmonics by what is around the lines, and sinusoids that are taken out "
         "(`benchtool.analysis.spectra`).",
         """
-        0147 0159 0548 0188 0446 0273 0318 0272 0276 0550 0486 0411 0412 0464 0469 0528 0530 0440 0441 0421 0542
-        0327
+        0147 0159 0548 0188 0446 0273 0318 0272 0276 0550 0486 0411 0412 0464 0469 0528 0530 0440 0441 0421
+        0542 0327
         """,
     ),
     Section(
