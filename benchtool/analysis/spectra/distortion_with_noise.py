@@ -68,7 +68,10 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
     scatter, name = _scatter_of_power(found, rest / math.sqrt(2.0)), "scatter of its power over"
     of_noise = MeanError(by_noise / math.sqrt(2.0), dof_of_noise)
     if float(lines @ lines) > _MOST * rest**2 and _are_pooled(scatter, of_noise):
-        scatter, name = scatter.pooled(of_noise), "noise in the harmonics, pooled with the scatter of power over"
+        scatter, name = (
+            scatter.pooled(of_noise),
+            "noise in the harmonics, pooled with the scatter of power over",
+        )
     # the square of an amplitude is twice a mean square
     of_scatter = scatter.line(f"{name} {spectrum.periods} electrical periods", 2**0.5)
     if by_noise > of_scatter.standard:  # few periods may agree by chance

@@ -253,3 +253,21 @@ def test_what_is_beyond_the_band_is_no_scatter_of_the_power_within() -> None:
     stated = [each.uncertainty.standard for each in found if each.uncertainty is not None]
     assert len(stated) == 8
     assert np.max(stated) < 6.0 * np.std([each.value for each in found])
+
+
+def test_thd_with_noise_of_few_periods_is_told_by_the_noise_of_harmonics_too() -> None:
+    """Four periods scatter with three degrees of freedom, and the bins beside the harmonics have more."""
+    turned, truth = np.arange(round(400 * 4.2)) / 400.0, 100.0 * math.hypot(0.03, 0.02)
+    errors, stated = [], []
+    for seed in range(16):
+        random = np.random.default_rng(seed)
+        begin = random.uniform(0.0, 2.0 * np.pi, 3)
+        lines = ((1, 1.0), (5, 0.03), (7, 0.02))
+        signal = sum(a * np.cos(2 * np.pi * k * turned + b) for (k, a), b in zip(lines, begin, strict=True))
+        found = with_noise(np.asarray(signal + 1e-3 * random.standard_normal(len(turned))))
+        assert found.uncertainty is not None
+        errors.append((found.value - truth) / found.uncertainty.standard)
+        stated.append(found.uncertainty.standard)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.4
+    assert np.median(stated) < 4.6e-3  # 5.5e-3 by the scatter of four periods alone
+    assert max(stated) < 9e-3  # 11.5e-3
