@@ -211,7 +211,7 @@ def test_an_instant_may_be_beyond_the_outermost_of_few_draws() -> None:
     places = places_to_begin(begin)
     assert np.mean(places) == pytest.approx(214.07, abs=0.01)
     assert np.std(places) == pytest.approx(0.03 * np.std(normal), rel=0.1)
-    of_normal = normal_below(-0.07 / (0.03 * np.std(normal)))
+    of_normal = normal_below(-0.07 / (0.03 * float(np.std(normal))))
     assert 0.2 * of_normal < np.mean(places < 214.0) < 2.0 * of_normal
     same = places_to_begin(Instant(3.5, 0.1, (3.5,) * 80))
     assert np.all(same == 3.5)
