@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import equally_likely
 from benchtool.analysis.steps.bursts import LOUD
 from benchtool.analysis.steps.passages import Instant
 from benchtool.analysis.steps.smoothing import Noise, UnevenNoise
@@ -18,9 +17,6 @@ Floats = NDArray[np.float64]
 _AT_REST, _IF_ROOM = 2, 3  # times the settling time: at the earliest, and where half of the samples are left
 _UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation over width
 _PLACES = 32  # in which an instant may be, each as likely
-_OF_INTERQUARTILE = 1.349  # normal standard deviations
-_BETWEEN_DRAWS = 1.06  # standard deviations, over the fifth root of the number of draws (Silverman's rule)
-_BEYOND = np.array(equally_likely(64))  # standard deviations about each draw
 _OF_NEIGHBOURS = 1.5  # of the mean square slope a row away, times the mean square of times
 
 
@@ -64,23 +60,11 @@ def slopes_in_time(curve: Floats, scatter: float) -> Floats:
 
 def places_to_begin(begin: Instant) -> Floats:
     """Return places in which an instant may be, each as likely: as far about it as noise moves it about what
-    noise makes of it in the middle, as one that is picked from noisy samples is, and is drawn, too late.
-
-    Beyond the outermost of few draws there are others: each is drawn with what may be between two of them
-    (B. W. Silverman, Density Estimation, 1986, equation 3.30).
-    """
+    noise makes of it in the middle, as one that is picked from noisy samples is, and is drawn, too late."""
     middles = (np.arange(_PLACES) + 0.5) / _PLACES
     if not begin.drawn:  # without noise, anywhere that the samples allow
         return begin.place + begin.standard * math.sqrt(3.0) * (2.0 * middles - 1.0)
-    drawn = np.nanquantile(begin.drawn, middles) - begin.of_drawn
-    scatter = float(np.std(drawn))
-    if not scatter > 0.0:
-        return np.asarray(begin.place + drawn)
-    quarter, three_quarters = np.quantile(drawn, (0.25, 0.75))
-    spread = min(scatter, float(three_quarters - quarter) / _OF_INTERQUARTILE)
-    between = _BETWEEN_DRAWS * spread / len(begin.drawn) ** 0.2
-    moved = np.add.outer(drawn, between * _BEYOND).ravel()
-    return np.asarray(begin.place + moved * scatter / math.hypot(scatter, between))
+    return np.asarray(begin.place + np.nanquantile(begin.drawn, middles) - begin.of_drawn)
 
 
 def away_from_level(curve: Floats, first: int) -> Floats:

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchtool.analysis.distributions import normal_below
-from benchtool.analysis.steps.arrival import places_to_begin, row_at_rest
+from benchtool.analysis.steps.arrival import row_at_rest
 from benchtool.analysis.steps.arrived_samples import ArrivedSamples
 from benchtool.analysis.steps.noisy_curve import NoisyCurve
 from benchtool.analysis.steps.passages import Instant
@@ -202,16 +201,3 @@ def test_a_ripple_that_is_left_in_the_course_makes_no_product_with_itself() -> N
         errors.append((found.rms - truth) / stated[-1])
     assert np.median(stated) < 2e-4  # 4.7e-4 with what the ripple makes of itself
     assert 0.2 < np.sqrt(np.mean(np.square(errors))) < 1.4
-
-
-def test_an_instant_may_be_beyond_the_outermost_of_few_draws() -> None:
-    random = np.random.default_rng(32)
-    normal = random.standard_normal(80)
-    begin = Instant(214.07, 0.03, tuple((214.0 + 0.03 * normal).tolist()))
-    places = places_to_begin(begin)
-    assert np.mean(places) == pytest.approx(214.07, abs=0.01)
-    assert np.std(places) == pytest.approx(0.03 * np.std(normal), rel=0.1)
-    of_normal = normal_below(-0.07 / (0.03 * float(np.std(normal))))
-    assert 0.2 * of_normal < np.mean(places < 214.0) < 2.0 * of_normal
-    same = places_to_begin(Instant(3.5, 0.1, (3.5,) * 80))
-    assert np.all(same == 3.5)
