@@ -65,15 +65,12 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
         return float(np.linalg.norm(moved)) / rest if rest > 0.0 else 0.0
 
     by_noise, dof_of_noise = by_lines(errors.noise), float(np.max(errors.dof))
-    scatter, name = _scatter_of_power(found, rest / math.sqrt(2.0)), "scatter of its power over"
+    scatter, name = _scatter_of_power(found, rest / math.sqrt(2.0)), "scatter of its power"
     of_noise = MeanError(by_noise / math.sqrt(2.0), dof_of_noise)
     if float(lines @ lines) > _MOST * rest**2 and _are_pooled(scatter, of_noise):
-        scatter, name = (
-            scatter.pooled(of_noise),
-            "noise in the harmonics, pooled with the scatter of power over",
-        )
+        scatter, name = scatter.pooled(of_noise), f"noise in the harmonics, pooled with {name}"
     # the square of an amplitude is twice a mean square
-    of_scatter = scatter.line(f"{name} {spectrum.periods} electrical periods", 2**0.5)
+    of_scatter = scatter.line(f"{name} over {spectrum.periods} electrical periods", 2**0.5)
     if by_noise > of_scatter.standard:  # few periods may agree by chance
         of_scatter = Contribution("noise in the harmonics", "A", by_noise, dof_of_noise)
     # which the ratio is to, and without which its bin counts

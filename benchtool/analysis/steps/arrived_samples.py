@@ -275,10 +275,8 @@ class ArrivedSamples:
             return math.hypot(self._of_product(self.on_the_way.of_sum, way) / scale, power)
         # what moves the instant leaves the samples there at the level that it is defined by
         of_sum = self.noise.of_sum_after_first if self.is_moved_by_noise else self.noise.of_sum
-        return (
-            self._of_product(of_sum, slice(len(self.values) - (self.at_rest if self._is_level else 0)))
-            / scale
-        )
+        moving = slice(len(self.values) - (self.at_rest if self._is_level else 0))
+        return self._of_product(of_sum, moving) / scale
 
     def _of_product(self, of_sum: Callable[[Floats], float], rows: slice) -> float:
         """Return the standard deviation of the sum of noise times the course in some rows."""
