@@ -118,6 +118,7 @@ def test_samples_at_rest_show_by_themselves_that_they_drift_evenly() -> None:
         white = random.standard_normal(ROWS)
         for name, samples in (
             ("drift", white + 2e-3 * row),
+            ("drift", white - 2e-3 * row),
             ("walk", white + np.cumsum(0.1 * random.standard_normal(ROWS))),
             ("popcorn", _popcorn(random, ROWS)),
             ("creep", white + 6.0 * np.exp(-row / (0.5 * ROWS))),
@@ -130,6 +131,11 @@ def test_samples_at_rest_show_by_themselves_that_they_drift_evenly() -> None:
     assert shares.pop("drift") > 0.95
     assert shares.pop("hum") < 0.2
     assert max(shares.values()) < 0.05
+
+
+def test_a_slope_seen_from_below_is_the_other_way_and_as_uncertain() -> None:
+    assert Slope(2.0, 0.5).seen_from(-1.0) == Slope(-2.0, 0.5)
+    assert Slope(2.0, 0.5).seen_from(1.0) == Slope(2.0, 0.5)
 
 
 def test_few_samples_have_no_slope() -> None:
