@@ -201,3 +201,15 @@ def test_a_ripple_that_is_left_in_the_course_makes_no_product_with_itself() -> N
         errors.append((found.rms - truth) / stated[-1])
     assert np.median(stated) < 2e-4  # 4.7e-4 with what the ripple makes of itself
     assert 0.2 < np.sqrt(np.mean(np.square(errors))) < 1.4
+
+
+def test_at_rest_the_course_of_a_drift_is_a_line_in_which_no_noise_is_left() -> None:
+    curve = NoisyCurve(COURSE + 1e-5 * np.arange(ROWS), np.ones((3, ROWS)))
+    values = _noisy(33) + 1e-5 * np.arange(ROWS)
+    found = ArrivedSamples.of(values, curve, ARRIVED, 0.02, Noise(np.zeros(1)), 0.0)
+    assert found.at_rest > 100
+    rest = slice(-found.at_rest, None)
+    assert np.diff(found.course[rest]) == pytest.approx(np.full(found.at_rest - 1, 1e-5), rel=0.1)
+    assert np.ptp(np.diff(found.course[rest])) < 1e-12
+    assert not np.any(found.left_in_course[:, rest])
+    assert np.all(found.left_in_course[:, : -found.at_rest] == 1.0)
