@@ -235,19 +235,16 @@ def _share_by_all(
     """Return the probability that one line explains all that moves the fundamental, where that is far more
     than noise; 0 where it is not.
 
-    The others tell whether they have its amplitude in common. Where they are too small for that, it is a line
+    Whether the others have its amplitude in common, they tell where they are large enough. Else it is a line
     or an amplitude and a phase that each move by themselves, as is the rule.
     """
     fits = [LineFit.of(each, fundamental, kernel) for each in movements]
     if all(each.explained > _CLEARLY and not each.is_ill for each in fits):
         return 1.0
-    alone = min(movements, key=lambda each: each.of_amplitude2)
-    with_others = [each for each in movements if each.phase is alone.phase and each is not alone]
-    fit = fits[movements.index(alone)]
-    if fit.is_ill or not fit.explained > _CLEARLY:
+    alone = fits[0]  # whatever the amplitudes of others do
+    if alone.is_ill or not alone.explained > _CLEARLY:
         return 0.0
-    both = alone.both_by_themselves(fit.scale) + sum(map(alone.in_common, with_others))
-    return fit.share_of_lines(both, 1.0 / _BEFORE)
+    return alone.share_of_lines(alone.movement.both_by_themselves(alone.scale), 1.0 / _BEFORE)
 
 
 def _best_fit(

@@ -26,7 +26,7 @@ from benchtool.analysis.uncertainty import Contribution, Uncertainty, combined, 
 
 _NAME: Final = "current_thd_f_plus_noise"
 _MOST = 0.9  # of the power: where the harmonics have it, their noise is what moves it
-_FEW, _BY_CHANCE = 15.0, 0.1  # degrees of freedom; probability
+_FEW = 15.0  # degrees of freedom
 _BINS_AROUND = 9
 _OF_DECAY = 4.0  # bins, below which a dc that decays takes noise along when it is fitted
 _LOWEST, _FINE = 8, 4  # bins that are told by places between them, and how many
@@ -66,9 +66,11 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
 
     by_noise, dof_of_noise = by_lines(errors.noise), float(np.max(errors.dof))
     scatter, name = _scatter_of_power(found, rest / math.sqrt(2.0)), "scatter of its power"
-    of_noise = MeanError(by_noise / math.sqrt(2.0), dof_of_noise)
-    if float(lines @ lines) > _MOST * rest**2 and _are_pooled(scatter, of_noise):
-        scatter, name = scatter.pooled(of_noise), f"noise in the harmonics, pooled with {name}"
+    are_few = math.isfinite(scatter.standard) and scatter.dof <= _FEW
+    if are_few and by_noise > 0.0 and float(lines @ lines) > _MOST * rest**2:
+        both = scatter.pooled_with_noise(MeanError(by_noise / math.sqrt(2.0), dof_of_noise))
+        name = name if both is scatter else f"noise in the harmonics, pooled with {name}"
+        scatter = both
     # the square of an amplitude is twice a mean square
     of_scatter = scatter.line(f"{name} over {spectrum.periods} electrical periods", 2**0.5)
     if by_noise > of_scatter.standard:  # few periods may agree by chance
@@ -95,13 +97,6 @@ def distortion_with_noise(found: Separation, errors: LineErrors, basis: Basis, c
         uncertainty_reason="" if uncertain is not None else errors.unknown,
         sensitivities=Sensitivities.of_distortion(channel, spectrum.fundamental_Hz),
     )
-
-
-def _are_pooled(scatter: MeanError, of_noise: MeanError) -> bool:
-    """Return whether the scatter of few periods is no more than chance makes it beyond what the noise of the
-    harmonics does, of which far more bins tell."""
-    is_known = math.isfinite(scatter.standard) and of_noise.standard > 0.0
-    return is_known and scatter.dof <= _FEW and scatter.exceeds_by_chance(of_noise) >= _BY_CHANCE
 
 
 def _over_phases(

@@ -27,7 +27,7 @@ FEWEST_WINDOWS = 3
 """Fewest windows whose scatter says how much a number varies."""
 
 _FEWEST_PERIODS = 4  # with fewer, subgroups overlap and there are no bins between them
-_BY_CHANCE, _RARELY = 0.1, 0.02
+_RARELY = 0.02
 _LAGS, _SURELY = 16, 3.0  # rows within which a click is alike; standard deviations
 _BEGINS = 8  # as many tell what goes with the phase, and with twice that, over a few periods
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples, less whole ones, are evenly spread however many
@@ -197,7 +197,7 @@ def power_beside_lines(groups: HarmonicGroups, kind: Kind, of_bursts: float = 0.
     together = error_of_series(each)
     if not math.isfinite(together.standard):  # they wander together: their mean is as good as one of them
         return MeanError(min(apart.standard, float(np.std(each))), windows - 1.0)
-    return together if apart.exceeds_by_chance(together) < _RARELY else _pooled(together, apart)
+    return together if apart.exceeds_by_chance(together) < _RARELY else together.pooled_with_noise(apart)
 
 
 def scatter_of_begins(coherent: CoherentSamples, highest_harmonic: int) -> Mapping[Kind, float]:
@@ -262,16 +262,6 @@ def group_distortion(
         beside.line(f"power beside the harmonics in {count_of(windows, 'window')}"),
     )
     return GroupDistortion(ratio, budget)
-
-
-def _pooled(scatter: MeanError, noise: MeanError) -> MeanError:
-    """Return the scatter where it is more than noise explains, else the variance that both are estimates
-    of."""
-    if scatter.exceeds_by_chance(noise) < _BY_CHANCE:
-        return scatter
-    if not math.isfinite(scatter.dof + noise.dof):
-        return noise if math.isinf(noise.dof) else scatter
-    return scatter.pooled(noise)
 
 
 def group_table(groups: HarmonicGroups, name: str, unit: str, basis: Basis) -> Table:

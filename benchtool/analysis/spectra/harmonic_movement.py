@@ -91,15 +91,6 @@ class Movement:
         of_amplitude = _of_course(1j * self.amplitude, scale * self.of_amplitude2)
         return of_amplitude + _of_course(self.phase, scale * self.of_phase2)
 
-    def in_common(self, without: Movement) -> float:
-        """Return by how much, as a logarithm, the amplitude of the others is more likely where this amplitude
-        is that of all than where it is of this harmonic alone; `without` is this movement without theirs."""
-        of_others, of_others2 = self.amplitude - without.amplitude, without.of_amplitude2 - self.of_amplitude2
-        if not of_others2 > 0.0:
-            return 0.0
-        apart = np.abs(without.amplitude) ** 2 / without.of_amplitude2 - np.abs(of_others) ** 2 / of_others2
-        return -float(np.sum(apart))
-
 
 def _of_course(moved: Complex, noise2: float) -> float:
     """Return the logarithm of the likelihood of what moves a phase, shape (reach,), or an amplitude, times j,
@@ -118,8 +109,8 @@ def _of_course(moved: Complex, noise2: float) -> float:
 
 
 def movements_of(around: Complex, floor2: Floats, index: int, number: int) -> list[Movement]:
-    """Return how a harmonic at the bin `number` may move by itself, once what moves others is taken off; none
-    of a fundamental that no others tell of.
+    """Return how a harmonic at the bin `number` may move by itself, once what moves others is taken off,
+    first whatever their amplitudes do; none of a fundamental that no others tell of.
 
     A speed moves all phases, whatever the amplitudes do. The fundamental tells it best, but for a line beside
     that. So do the harmonics together: their scatter is that of noise, or more where they do not agree.

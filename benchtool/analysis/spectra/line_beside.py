@@ -196,8 +196,6 @@ class LineFit:
     def share_of_lines(self, of_others: float, times: float) -> float:
         """Return the probability of a line against another explanation, which is `times` as likely before
         and has the logarithm of the likelihood `of_others`."""
-        if not times:
-            return 1.0
         most = float(np.max(self.weighs))
         step = float(self.apart[1] - self.apart[0]) / (2.0 * FARTHEST)
         line = most + math.log(step * float(np.sum(np.exp(self.weighs - most))))
@@ -208,7 +206,9 @@ class LineFit:
         """Return what there is, on average, of a line, where the probability that the phase moves is `moves`,
         and that it moves by itself `by_itself` times as likely as a line; nothing where none explains the
         bins, and what two may be is uncertain."""
-        share = moves * self.share_of_lines(self.movement.by_itself(self.scale), by_itself)
+        if by_itself:
+            moves *= self.share_of_lines(self.movement.by_itself(self.scale), by_itself)
+        share = moves
         weight = np.exp(self.weighs - np.max(self.weighs))
         harmonic = self.movement.harmonic
         weight = np.where(_is_possible(np.abs(self.makes), abs(harmonic)), weight, 0.0)

@@ -35,6 +35,7 @@ _CLEARLY_LESS = 2.0  # times the power, beyond chance
 _MOST_OF_NEXT = 30
 _CLEARLY_MORE = 1.4  # times the error by parts: by chance both differ by less
 _FEW_PARTS = 15.0  # degrees of freedom
+_BEYOND_NOISE = 0.1  # by chance
 _MORE, _RISES = 0.25, 0.3  # by chance; octaves, towards zero frequency
 _FEW_INDEPENDENT = 8.0  # degrees of freedom, with fewer of which the correlation of a series is not known
 _FEWEST_OF_A_MEMORY = 20  # values, of which fewer do not tell how long they remember
@@ -86,6 +87,15 @@ class MeanError:
         dof = self.dof + other.dof
         square = (self.dof * self.experimental**2 + other.dof * other.experimental**2) / dof
         return MeanError.of_scatter(math.sqrt(square), dof, self.basis)
+
+    def pooled_with_noise(self, noise: MeanError) -> MeanError:
+        """Return this scatter where it is more than `noise` explains, else the variance that both are
+        estimates of."""
+        if self.exceeds_by_chance(noise) < _BEYOND_NOISE:
+            return self
+        if not math.isfinite(self.dof + noise.dof):
+            return noise if math.isinf(noise.dof) else self
+        return self.pooled(noise)
 
     def line(self, name: str, factor: float = 1.0) -> Contribution:
         """Return the line of a budget, `name`, in which the mean counts `factor` times."""

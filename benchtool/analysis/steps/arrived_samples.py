@@ -71,7 +71,7 @@ class ArrivedSamples:
     `added` to the mean square at rest. Of shape (n,) are
     `of_course`, the standard deviation of what noise has left in the course, `of_rest`, how much of the noise
     that leaves about it, and `of_times`, the standard deviation of each value because its time is not known.
-    `left_in_course`, shape (draws, n), is what noise may have left in it, 0 at rest.
+    `course_errors`, shape (draws, n), is what noise may have left in it, 0 at rest.
     `rows`, shape (rows,), are those in which they may as well begin, moved by noise or not, and `shares` how
     likely each is. A few `clicks` of the record may be in any of its rows.
     """
@@ -80,7 +80,7 @@ class ArrivedSamples:
     first: int
     course: Floats
     of_course: Floats
-    left_in_course: Floats
+    course_errors: Floats
     of_rest: Floats
     of_times: Floats
     rows: NDArray[np.int64]
@@ -150,8 +150,8 @@ class ArrivedSamples:
         of_course = left_in_course(curve.errors[:, first:end], rms, begin)
         of_rest = np.ones(end - first) if curve.beside is None else np.minimum(curve.beside[first:end], 1.0)
         of_course[rest - first :], of_rest[rest - first :] = 0.0, 1.0
-        of_noise = curve.errors[:_OF_LEFT, first:end].copy()
-        of_noise[:, rest - first :] = 0.0
+        course_errors = curve.errors[:_OF_LEFT, first:end].copy()
+        course_errors[:, rest - first :] = 0.0
         of_times = np.zeros(end)
         of_times[:rest] = curve.time_scatter * slopes_in_time(curve.values[:end], curve.time_scatter)[:rest]
         places = np.clip(np.ceil(places_to_begin(begin)), 0, max(0, end - 1)).astype(np.int64)
@@ -164,7 +164,7 @@ class ArrivedSamples:
             first=first,
             course=course[first:],
             of_course=of_course,
-            left_in_course=of_noise,
+            course_errors=course_errors,
             of_rest=of_rest,
             of_times=of_times[first:],
             rows=rows,
@@ -280,7 +280,7 @@ class ArrivedSamples:
 
     def _of_product(self, of_sum: Callable[[Floats], float], rows: slice) -> float:
         """Return the standard deviation of the sum of noise times the course in some rows."""
-        product, of_noise = of_sum(self.course[rows]), self.left_in_course[:, rows]
+        product, of_noise = of_sum(self.course[rows]), self.course_errors[:, rows]
         left = float(np.mean([of_sum(each) ** 2 for each in of_noise])) if len(of_noise) else 0.0
         return max(_OF_COURSE * product, math.sqrt(max(0.0, product**2 - left)))
 

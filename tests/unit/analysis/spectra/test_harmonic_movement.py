@@ -140,13 +140,3 @@ def test_an_amplitude_that_moves_by_itself_is_as_likely_as_a_phase_that_does() -
     other = Movement(1.0 + 0j, 40, of_amplitude, none, 1e-8, 1e-8)
     assert other.both_by_themselves(1.0) == pytest.approx(one.both_by_themselves(1.0))
     assert other.both_by_themselves(1.0) > other.by_itself(1.0) + 1e3
-
-
-@pytest.mark.parametrize("is_common", [True, False])
-def test_harmonics_tell_whether_an_amplitude_is_that_of_all(is_common: bool) -> None:
-    random, course, noise2 = np.random.default_rng(2), 0.01 / ORDER.astype(np.complex128), 1e-6
-    own, others = course + 1e-5 * noise(random, REACH), is_common * course + 1e-3 * noise(random, REACH)
-    alone = Movement(1.0 + 0j, 40, own, own, 1e-10, 1e-8)
-    without = Movement(1.0 + 0j, 40, own - others, own, 1e-10 + noise2, 1e-8)
-    assert (alone.in_common(without) > 30.0) is is_common
-    assert alone.in_common(alone) == 0.0

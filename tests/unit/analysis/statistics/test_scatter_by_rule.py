@@ -166,3 +166,12 @@ def test_errors_of_few_values_are_compared_and_pooled_without_what_their_number_
     assert both.experimental == pytest.approx(math.sqrt((4.0 * 0.01 + 12.0 * 0.04) / 16.0))
     assert both.dof == 16.0
     assert both.basis is Basis.LOWEST
+
+
+def test_a_scatter_is_pooled_with_the_noise_that_explains_it() -> None:
+    noise = MeanError.of_scatter(0.1, 20.0)
+    alike, more = MeanError.of_scatter(0.12, 3.0), MeanError.of_scatter(0.3, 3.0)
+    assert alike.pooled_with_noise(noise) == alike.pooled(noise)
+    assert more.pooled_with_noise(noise) is more
+    known = MeanError.of_scatter(0.1, math.inf)
+    assert alike.pooled_with_noise(known) is known

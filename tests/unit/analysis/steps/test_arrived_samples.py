@@ -211,5 +211,5 @@ def test_at_rest_the_course_of_a_drift_is_a_line_in_which_no_noise_is_left() -> 
     rest = slice(-found.at_rest, None)
     assert np.diff(found.course[rest]) == pytest.approx(np.full(found.at_rest - 1, 1e-5), rel=0.1)
     assert np.ptp(np.diff(found.course[rest])) < 1e-12
-    assert not np.any(found.left_in_course[:, rest])
-    assert np.all(found.left_in_course[:, : -found.at_rest] == 1.0)
+    assert not np.any(found.course_errors[:, rest])
+    assert np.all(found.course_errors[:, : -found.at_rest] == 1.0)
